@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple
+from typing import Any, Dict, Mapping, Optional, Tuple
 
 import numpy
 import numpy.typing
 
 from tactus._errors import Error
+from tactus._frames import Message
 from tactus._lazy import Lazy
 from tactus._skin import Skin
 
@@ -61,7 +62,7 @@ class DecidedValue:
 
 
 @dataclass(frozen=True)
-class QuestionAnswer:
+class QuestionAnswer(Lazy):
     """What is known of one of the model's questions."""
 
     question: str
@@ -207,16 +208,6 @@ class Answer(Lazy):
     #: The skin in use.
     skin: Skin = field(compare=False, repr=False)
 
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name):
-            if name != "frame":
-                return super().__getattr__(name)
-            view = self.__dict__.get("_frame")
-            frame = None if view is None else frame_view(self.skin, *view)
-            self.__dict__["frame"] = frame
-            return frame
-
     @property
     def main(self) -> Optional[Contact]:
         """The contact that a robot reads if it wants one; None if there is none."""
@@ -290,19 +281,22 @@ def info_of(started: Any) -> StreamInfo:
         server_version=started.server.version)
 
 
-def answer_of(message: Any, names: Names,
-              frame: Optional[Tuple[bytes, int]] = None) -> Answer:
-    """An Answer that reads ``message``, a ``tactus.v1.Answer``, when asked.
-    ``frame`` is the request that has its frame, and the offset there."""
-    answer: Answer = Answer._of(message, names)  # type: ignore[attr-defined]
-    answer.__dict__["_frame"] = frame
+def answer_of(message: Any, names: Names, request: Optional[Message] = None) -> Answer:
+    """An Answer that reads ``message``, a ``tactus.v1.Answer``, when asked;
+    ``request`` has its frame."""
+    answer: Answer = object.__new__(Answer)
+    answer.__dict__.update(_message=message, _names=names, _request=request)
     return answer
 
 
-def frame_view(skin: Skin, request: bytes, offset: int) -> "numpy.typing.NDArray[Any]":
-    """A frame within a request; it cannot be written to."""
-    count = skin.rows * skin.columns * skin.axes
-    return numpy.frombuffer(request, skin.dtype, count, offset).reshape(skin.shape)
+def contact_of(message: Any, names: Names) -> Contact:
+    """A Contact that reads a ``tactus.v1.Contact`` when asked."""
+    contact: Contact = object.__new__(Contact)
+    contact.__dict__.update(_message=message, _names=names)
+    return contact
+
+
+_Values = Dict[str, Any]
 
 
 def _point(vector: Any) -> Point:
@@ -316,39 +310,59 @@ def _spot(place: Any) -> Spot:
                 _point(place.world_normal) if world else None)
 
 
-def _decided(answer: Any, values: Tuple[str, ...]) -> Optional[DecidedValue]:
+def _patch(values: _Values) -> Optional[Patch]:
+    message = values["_message"]
+    if not message.HasField("patch"):
+        return None
+    patch: Patch = object.__new__(Patch)
+    patch.__dict__.update(_message=message.patch)
+    return patch
+
+
+def _centre(values: _Values) -> Optional[Spot]:
+    patch = values["_message"]
+    return _spot(patch.centre_of_pressure) if patch.HasField("centre_of_pressure") else None
+
+
+def _motion(values: _Values) -> Optional[float]:
+    contact = values["_message"]
+    return contact.motion_m if contact.HasField("motion_m") else None
+
+
+def _questions(values: _Values) -> Dict[str, QuestionAnswer]:
+    answers = values["_message"].answers
+    questions = values["_names"].questions
+    if len(answers) != len(questions):
+        raise _broken("contact.answers", len(answers), len(questions))
+    made = {}
+    for named, message in zip(questions, answers):
+        answer: QuestionAnswer = object.__new__(QuestionAnswer)
+        answer.__dict__.update(question=named[0], _message=message, _names=named[1])
+        made[named[0]] = answer
+    return made
+
+
+def _probabilities(message: Any, names: Tuple[str, ...], what: str) -> Dict[str, float]:
+    probability = message.probability
+    if len(probability) != len(names):
+        raise _broken(what, len(probability), len(names))
+    return dict(zip(names, probability))
+
+
+def _decided(values: _Values) -> Optional[DecidedValue]:
+    answer = values["_message"]
     if not answer.HasField("decision"):
         return None
     made = answer.decision
     return DecidedValue(
-        value=values[made.value], sequence=made.sequence,
+        value=values["_names"][made.value], sequence=made.sequence,
         since_onset_ns=made.time_since_onset_ns, changes=made.changes,
         changed_sequence=made.changed_sequence,
         changed_since_onset_ns=made.changed_time_since_onset_ns, revised=made.revised)
 
 
-def _questions(contact: Any, names: Names) -> Dict[str, QuestionAnswer]:
-    answers = contact.answers
-    if len(answers) != len(names.questions):
-        raise _broken("contact.answers", len(answers), len(names.questions))
-    made = {}
-    for (name, values), answer in zip(names.questions, answers):
-        probability = answer.probability
-        if len(probability) != len(values):
-            raise _broken("contact.answers.probability", len(probability), len(values))
-        made[name] = QuestionAnswer(name, dict(zip(values, probability)),
-                                    _decided(answer, values))
-    return made
-
-
-def _classes(contact: Any, names: Names) -> Dict[str, float]:
-    probability = contact.probability
-    if len(probability) != len(names.classes):
-        raise _broken("contact.probability", len(probability), len(names.classes))
-    return dict(zip(names.classes, probability))
-
-
-def _object(contact: Any) -> Optional[TouchedObject]:
+def _object(values: _Values) -> Optional[TouchedObject]:
+    contact = values["_message"]
     if not contact.HasField("object"):
         return None
     found = contact.object
@@ -356,7 +370,13 @@ def _object(contact: Any) -> Optional[TouchedObject]:
                          found.moved_m, found.moved_deviation_m)
 
 
-def _events(answer: Any, names: Names) -> Tuple[Event, ...]:
+def _contacts(values: _Values) -> Tuple[Contact, ...]:
+    names = values["_names"]
+    return tuple([contact_of(contact, names) for contact in values["_message"].contacts])
+
+
+def _events(values: _Values) -> Tuple[Event, ...]:
+    answer = values["_message"]
     if not answer.events:
         return ()
     since = {contact.id: contact.time_since_onset_ns for contact in answer.contacts}
@@ -368,11 +388,24 @@ def _events(answer: Any, names: Names) -> Tuple[Event, ...]:
             continue
         question = value = ""
         if event.kind in _DECISIONS:
-            question, values = names.questions[event.question]
-            value = values[event.value]
+            question, values_ = values["_names"].questions[event.question]
+            value = values_[event.value]
         made.append(Event(kind, event.contact_id, answer.sequence, answer.capture_time_ns,
                           since.get(event.contact_id, 0), question, value, event.other_id))
     return tuple(made)
+
+
+def _frame(values: _Values) -> Any:
+    """A view into the request, which cannot be written to."""
+    request = values["_request"]
+    if request is None:
+        return None
+    skin = values["_names"].skin
+    count = skin.rows * skin.columns * skin.axes
+    dtype = numpy.dtype(skin.dtype)
+    before = values["_message"].sequence - request.first_sequence
+    return numpy.frombuffer(request.request, dtype, count,
+                            request.offset + before * count * dtype.itemsize).reshape(skin.shape)
 
 
 def _broken(what: str, size: int, expected: int) -> Error:
@@ -383,41 +416,39 @@ def _broken(what: str, size: int, expected: int) -> Error:
 def _plain(**fields_: str) -> Dict[str, Any]:
     """Decoders that read a field of the message as it is."""
     made: Dict[str, Any] = {}
-    for name, path in fields_.items():
-        get = attrgetter(path)
-        made[name] = lambda message, names, get=get: get(message)
+    for name, field_of_message in fields_.items():
+        get = attrgetter(field_of_message)
+        made[name] = lambda values, get=get: get(values["_message"])
     return made
 
 
 Patch._decoders = dict(
     _plain(force="force", max_force="max_force", area_taxels="area_taxels", area_m2="area_m2",
            centroid_row="centroid_row", centroid_column="centroid_column"),
-    centroid=lambda patch, names: _spot(patch.centroid),
-    centre_of_pressure=lambda patch, names: _spot(patch.centre_of_pressure)
-    if patch.HasField("centre_of_pressure") else None,
-    taxels=lambda patch, names: tuple(patch.taxels))
+    centroid=lambda values: _spot(values["_message"].centroid),
+    centre_of_pressure=_centre,
+    taxels=lambda values: tuple(values["_message"].taxels))
+
+QuestionAnswer._decoders = dict(
+    values=lambda values: _probabilities(values["_message"], values["_names"],
+                                         "contact.answers.probability"),
+    decided=_decided)
 
 Contact._decoders = dict(
     _plain(id="id", onset_sequence="onset_sequence", since_onset_ns="time_since_onset_ns",
            unknown="unknown", parent="parent_id", merged_into="merged_into"),
-    state=lambda contact, names: STATES.get(contact.state, "touching"),
-    patch=lambda contact, names: Patch._of(contact.patch, names)  # type: ignore[attr-defined]
-    if contact.HasField("patch") else None,
-    motion_m=lambda contact, names: contact.motion_m if contact.HasField("motion_m") else None,
-    classes=_classes,
+    state=lambda values: STATES.get(values["_message"].state, "touching"),
+    patch=_patch,
+    motion_m=_motion,
+    classes=lambda values: _probabilities(values["_message"], values["_names"].classes,
+                                          "contact.probability"),
     answers=_questions,
-    object=lambda contact, names: _object(contact))
+    object=_object)
 
 Answer._decoders = dict(
     _plain(sequence="sequence", capture_time_ns="capture_time_ns", regions="region_count",
            frames_missing="frames_missing", superseded="superseded", is_final="is_final"),
-    contacts=lambda answer, names: tuple(
-        Contact._of(contact, names) for contact in answer.contacts),  # type: ignore[attr-defined]
+    contacts=_contacts,
     events=_events,
-    skin=lambda answer, names: names.skin)
-
-
-def contact_of(message: Any, names: Names) -> Contact:
-    """A Contact that reads a ``tactus.v1.Contact`` when asked."""
-    contact: Contact = Contact._of(message, names)  # type: ignore[attr-defined]
-    return contact
+    frame=_frame,
+    skin=lambda values: values["_names"].skin)

@@ -47,13 +47,16 @@ def varint(value: int) -> bytes:
     return bytes(out)
 
 
+def check_frames_per_message(frames: int) -> None:
+    if not 1 <= frames <= MAX_FRAMES_PER_MESSAGE:
+        raise invalid("frames_per_message", frames, f"1 to {MAX_FRAMES_PER_MESSAGE}")
+
+
 class FrameWriter:
     """Packs the frames of one stream into requests."""
 
     def __init__(self, skin: Skin, frames_per_message: int = 1) -> None:
-        if not 1 <= frames_per_message <= MAX_FRAMES_PER_MESSAGE:
-            raise invalid("frames_per_message", frames_per_message,
-                          f"1 to {MAX_FRAMES_PER_MESSAGE}")
+        check_frames_per_message(frames_per_message)
         self.skin = skin
         self.period_ns = 1e9 / skin.rate_hz
         self._dtype = numpy.dtype(skin.dtype).newbyteorder("<")

@@ -14,17 +14,16 @@ from typing import TYPE_CHECKING, Any, Callable, ClassVar, Dict
 class Lazy:
     """Base of a frozen dataclass whose fields have no default values."""
 
-    # Name of a field to a function of the message and the names that it needs.
-    _decoders: ClassVar[Dict[str, Callable[[Any, Any], Any]]] = {}
+    # Name of a field to a function of what __dict__ has: the message, and what
+    # its indices stand for.
+    _decoders: ClassVar[Dict[str, Callable[[Dict[str, Any]], Any]]] = {}
 
     if not TYPE_CHECKING:
 
         @classmethod
         def _of(cls, message, names):
             made = object.__new__(cls)
-            values = made.__dict__
-            values["_message"] = message
-            values["_names"] = names
+            made.__dict__.update(_message=message, _names=names)
             return made
 
         # Only called for what __dict__ does not have.
@@ -33,7 +32,7 @@ class Lazy:
             decode = self._decoders.get(name)
             if decode is None or "_message" not in values:
                 raise AttributeError(f"{type(self).__name__} has no {name}")
-            value = values[name] = decode(values["_message"], values["_names"])
+            value = values[name] = decode(values)
             return value
 
         def __getstate__(self):

@@ -85,6 +85,7 @@ class Link:
         self._metadata = metadata
         self._timeouts = timeouts
         self._lockstep = lockstep
+        self.push_timeout = timeouts.push
         self._deliver = deliver
         self._notice = notice
         self._changed = changed
@@ -93,11 +94,14 @@ class Link:
         self._interval = max(1, config.result_interval_frames)
 
         # Guards what follows, and tells of changes.
-        self._lock = threading.Condition()
+        self._mutex = threading.RLock()
+        self._lock = threading.Condition(self._mutex)
         self.state = State.CONNECTED
         self.error: Optional[Error] = None
         self.resumed = 0
         self.without_beginning = 0
+        # The last frame of `offer` whose answer is due.
+        self.last_due = 0
         self._closing = False
         self._cancelled = False
         self._end_sent = False
@@ -131,9 +135,18 @@ class Link:
                     if left <= 0 and self.state is State.CONNECTED:
                         raise no_response("frames", self._timeouts.push)
                     self._lock.wait(0.05)
-        self.history.add(message)
-        self.history.sent_all()
-        self._exchange(message)
+        history = self.history
+        history.add(message)
+        history.sent_all()
+        due = self._due(history.trial_frames, message)
+        call = self._call
+        assert call is not None
+        if self._timeouts.answer > 0:
+            call.due = time.monotonic() + self._timeouts.answer
+        if due is None:
+            call.post(message.request)
+        else:
+            self._receive_until(lambda: history.answered >= due, message)
 
     def offer(self, message: Message) -> bool:
         """Takes a message and does not wait; False if there is no room for it."""
@@ -141,13 +154,19 @@ class Link:
             if self.state is State.ENDED:
                 raise self.end_error()
             call = self._call
-            if self.state is not State.CONNECTED or call is None:
-                self._lock.notify_all()
-                return self.history.add(message)
-            if call.queued() >= _MOST_QUEUED or not self.history.add(message):
+            connected = self.state is State.CONNECTED and call is not None
+            if connected and call.queued() >= _MOST_QUEUED:
                 return False
-            self.history.sent_all()
-            call.post(message.request)
+            if not self.history.add(message):
+                return False
+            due = self._due(self.history.trial_frames, message)
+            if due is not None:
+                self.last_due = due
+            if connected:
+                self.history.sent_all()
+                call.post(message.request)
+            else:
+                self._lock.notify_all()
             return True
 
     def begin_end(self) -> None:
@@ -223,18 +242,6 @@ class Link:
 
     # The receiving thread: in lockstep the caller's, while it is connected.
 
-    def _exchange(self, message: Message) -> None:
-        call = self._call
-        assert call is not None
-        due = self._due(self.history.trial_frames, message)
-        timeout = self._timeouts.answer
-        if timeout > 0:
-            call.due = time.monotonic() + timeout
-        if due is None:
-            call.post(message.request)
-            return
-        self._receive_until(lambda: self.history.answered >= due, message)
-
     def _receive_until(self, done: Callable[[], bool], message: Optional[Message] = None) -> None:
         """Receives, in lockstep; sends ``message`` first, if it is given."""
         call = self._call
@@ -278,28 +285,31 @@ class Link:
             response = _Response.FromString(payload)
         except Exception as problem:  # Each implementation of protobuf has another one.
             raise _End(_broken("a response", "no ClassifyContactResponse")) from problem
-        if response.HasField("answer"):
-            answer = response.answer
-            with self._lock:
-                sequence = answer.sequence
-                if sequence > self.history.last_sequence:
-                    raise _End(_broken("answer.sequence", f"{sequence}, of a frame to come"))
-                if message is None or not (
-                        0 <= sequence - message.first_sequence < message.frames):
-                    message = self.history.find(sequence)
-                shown = self.history.take(answer)
-                if shown is None:
-                    return
-                self._progressed = True
-            self._deliver(shown, message)
-            if not self._lockstep or shown.is_final:
-                self._tell()
-        elif response.HasField("notice"):
-            self._notice(response.notice)
+        if not response.HasField("answer"):
+            if response.HasField("notice"):
+                self._notice(response.notice)
+            return
+        answer = response.answer
+        sequence = answer.sequence
+        history = self.history
+        with self._mutex:
+            if sequence > history.last_sequence:
+                raise _End(_broken("answer.sequence", f"{sequence}, of a frame to come"))
+            if message is None or not (
+                    0 <= sequence - message.first_sequence < message.frames):
+                message = history.find(sequence)
+            shown = history.take(answer)
+            if shown is None:
+                return
+            self._progressed = True
+        self._deliver(shown, message)
+        if not self._lockstep or self.state is not State.CONNECTED:
+            self._tell()
 
     def _tell(self) -> None:
         with self._lock:
-            if not self.history.ending and self._call is not None and not self._lockstep:
+            if not self.history.ending and self._call is not None and (
+                    self.state is State.CONNECTED):
                 self._call.due = None
             self._lock.notify_all()
         self._changed()

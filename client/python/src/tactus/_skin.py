@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Optional, Tuple
 
@@ -109,21 +110,55 @@ class Skin:
     @property
     def shape(self) -> Tuple[int, ...]:
         """Shape of a frame: (rows, columns), or (rows, columns, 3)."""
-        if self.axes == 1:
-            return (self.rows, self.columns)
-        return (self.rows, self.columns, self.axes)
+        whole = self.resolved()
+        if whole.axes == 1:
+            return (whole.rows, whole.columns)
+        return (whole.rows, whole.columns, whole.axes)
+
+    def resolved(self) -> "Skin":
+        """The skin with all values of its preset filled in.
+
+        >>> Skin(name="vitac-12x32").resolved().shape
+        (12, 32)
+        """
+        if self.rows or self.columns:
+            return self
+        preset = PRESETS.get(self.name)
+        if preset is None:
+            raise Error(f"layout {self.name!r} is not a preset ({', '.join(PRESETS)}); describe "
+                        "it in full, with rows and columns", reason="UNKNOWN_LAYOUT",
+                        metadata={"field": "skin.name", "value": self.name,
+                                  "expected": ", ".join(PRESETS)})
+        return replace(
+            preset, contact_threshold=self.contact_threshold or preset.contact_threshold,
+            onset_threshold=self.onset_threshold or preset.onset_threshold,
+            masked_taxels=self.masked_taxels, only_side_neighbours=self.only_side_neighbours,
+            light_touch=self.light_touch, dtype=self.dtype, scale=self.scale,
+            rate_hz=self.rate_hz, with_poses=self.with_poses)
 
     def replace(self, **changes: Any) -> "Skin":
         """A copy with other values."""
         return replace(self, **changes)
 
     def zeros(self) -> "numpy.typing.NDArray[Any]":
-        """A frame of this skin, untouched. Of a preset only after a stream has
-        begun: ``stream.skin.zeros()``."""
-        if not self.rows:
-            raise Error(f"the shape of the preset {self.name} is not known here",
-                        reason="INVALID_CONFIG", advice="use stream.skin.zeros()")
+        """A frame of this skin, untouched."""
         return numpy.zeros(self.shape, self.dtype)
+
+
+#: The skins that are known by their names.
+PRESETS = {
+    "cody-forearm": Skin(
+        name="cody-forearm", rows=16, columns=24, row_pitch_m=0.0108,
+        column_pitch_m=2 * math.pi * 0.04604 / 24, taxel_area_m2=0.009 * 0.009,
+        wrap_columns=True, contact_threshold=0.01, onset_threshold=0.02),
+    "vitac-12x32": Skin(
+        name="vitac-12x32", rows=12, columns=32, row_pitch_m=0.002, column_pitch_m=0.002,
+        taxel_area_m2=0.002 * 0.002, unit="counts", contact_threshold=20, onset_threshold=40),
+    "icub-6x10": Skin(
+        name="icub-6x10", rows=6, columns=10, row_pitch_m=0.026, column_pitch_m=0.0065,
+        taxel_area_m2=math.pi * 0.002 * 0.002, unit="counts", contact_threshold=4,
+        onset_threshold=5),
+}
 
 
 def to_geometry(skin: Skin) -> Any:

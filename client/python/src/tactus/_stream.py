@@ -14,7 +14,7 @@ import numpy.typing
 from tactus._answers import Answer, Event, Names, Notice, StreamInfo, answer_of, info_of
 from tactus._calibration import Calibration, Loads
 from tactus._errors import Error, FrameError
-from tactus._frames import FrameWriter, Message
+from tactus._frames import FrameWriter, Message, check_frames_per_message
 from tactus._link import Link, State, Timeouts
 from tactus._notices import notice_of
 from tactus._options import StreamOptions, to_config
@@ -57,14 +57,14 @@ class StreamCore:
 
     def __init__(self, connection: Connection, skin: Skin, options: StreamOptions,
                  calibration: Optional[Calibration], tare: int, drift_s: float,
-                 changed: Callable[[], None]) -> None:
+                 changed: Callable[[], None], in_loop: bool = False) -> None:
         self.loads: Optional[Loads] = None
         if calibration is not None or tare:
             self.loads = Loads(skin, calibration, tare, drift_s)
             skin = self.loads.skin
         config = to_config(skin, options)
-        FrameWriter(skin.replace(rows=1, columns=1), options.frames_per_message)
-        self.lockstep = options.wait and options.cadence == "interval"
+        check_frames_per_message(options.frames_per_message)
+        self.lockstep = options.wait and options.cadence == "interval" and not in_loop
         self.answers: Deque[Answer] = deque(maxlen=_MOST_ANSWERS)
         self.dropped = 0
         self.events: Deque[Event] = deque(maxlen=_MOST_EVENTS)
@@ -104,7 +104,7 @@ class StreamCore:
         self.frames += 1
         return messages
 
-    def pack_many(self, frames: Any) -> List[Message]:
+    def pack_many(self, frames: Any, poses: Any) -> List[Message]:
         shape = self.loads.skin.shape if self.loads is not None else self.skin.shape
         if not isinstance(frames, numpy.ndarray) or frames.shape[1:] != shape:
             found = getattr(frames, "shape", type(frames).__name__)
@@ -112,15 +112,20 @@ class StreamCore:
                              f"{', '.join(map(str, shape))})", reason="FRAME_SIZE_MISMATCH",
                              metadata={"field": "frames.shape", "value": str(found),
                                        "expected": f"(frames, {', '.join(map(str, shape))})"})
+        if poses is not None and len(poses) != len(frames):
+            raise FrameError(f"there are {len(poses)} poses; it must be {len(frames)}, one for "
+                             "each frame", reason="INVALID_POSE")
         messages: List[Message] = []
-        for frame in frames:
-            messages.extend(self.pack(frame, None, 0, None))
+        for i, frame in enumerate(frames):
+            messages.extend(self.pack(frame, None, 0, None if poses is None else poses[i]))
         return messages
 
     def take(self) -> List[Answer]:
         """The answers that wait."""
-        taken: List[Answer] = []
         answers = self.answers
+        if self.lockstep and len(answers) == 1:
+            return [answers.popleft()]
+        taken: List[Answer] = []
         while answers:
             taken.append(answers.popleft())
         return taken
@@ -149,20 +154,15 @@ class StreamCore:
         # A server that breaks the contract may answer before the first frame.
         if names is None:
             return
-        frame = None
-        if message is not None:
-            skin = self.skin
-            size = skin.rows * skin.columns * skin.axes * (4 if skin.dtype == "float32" else 2)
-            frame = (message.request,
-                     message.offset + (shown.sequence - message.first_sequence) * size)
-        answer = answer_of(shown, names, frame)
+        answer = answer_of(shown, names, message)
         if shown.events:
             self.events.extend(answer.events)
         if shown.is_final:
             self.final = answer
-        if len(self.answers) == _MOST_ANSWERS:
+        answers = self.answers
+        if len(answers) == _MOST_ANSWERS:
             self.dropped += 1
-        self.answers.append(answer)
+        answers.append(answer)
 
     def _notice(self, message: Any) -> None:
         notice = notice_of(message)
@@ -247,10 +247,11 @@ class Stream:
             self._link.send(message)
         return self._core.take()
 
-    def push_many(self, frames: "numpy.typing.NDArray[Any]") -> List[Answer]:
-        """Sends frames, [frames, rows, columns(, 3)], one sample period apart;
-        returns the answers that have come."""
-        for message in self._core.pack_many(frames):
+    def push_many(self, frames: "numpy.typing.NDArray[Any]", *,
+                  poses: Optional["numpy.typing.NDArray[Any]"] = None) -> List[Answer]:
+        """Sends frames, [frames, rows, columns(, 3)], one sample period apart,
+        with their poses [frames, 7]; returns the answers that have come."""
+        for message in self._core.pack_many(frames, poses):
             self._link.send(message)
         return self._core.take()
 
