@@ -63,10 +63,14 @@ class TrainingTest(unittest.TestCase):
         folds = client.evaluate("arm", protocol="k-fold", preset="nearest").wait(120)
         self.assertEqual(folds.evaluation.accuracy.contacts + folds.evaluation.never_felt, 32)
 
-        before = client.alias("default").model_version
+        with self.assertRaises(tactus.Error) as caught:
+            client.alias()
+        self.assertEqual(caught.exception.reason, "ALIAS_NOT_FOUND")
+        before = "models/default/versions/1"
+        client.promote(before).wait(60)
         client.promote("touch@1").wait(60)
         self.assertEqual(client.alias().model_version, "models/touch/versions/1")
-        trial = self.recording[0]
+        trial = self.recording[33]
         with client.stream(trial.skin, client_id="robot-1") as stream:
             self.assertEqual(stream.info.model_version, "models/touch/versions/1")
             for frame, pose in zip(trial.taxels, trial.poses):
@@ -150,7 +154,8 @@ class TrainingTest(unittest.TestCase):
             self.assertEqual((ours.id, ours.label, theirs.skin.scale),
                              (theirs.id, theirs.label, 0.001))
         self.assertIn("datasets/edits", [d.name for d in client.datasets()])
-        self.assertEqual(dataset.delete(), 5)
+        # The trial with another label is stored beside the first one.
+        self.assertEqual(dataset.delete(), 6)
         with self.assertRaises(tactus.Error) as caught:
             client.dataset("edits")
         self.assertEqual(caught.exception.reason, "DATASET_NOT_FOUND")

@@ -70,6 +70,10 @@ class QuestionAnswer(Lazy):
     values: Mapping[str, float]
     decided: Optional[DecidedValue]
 
+    # A mapping has no hash.
+    def __hash__(self) -> int:
+        return hash(self.question)
+
 
 @dataclass(frozen=True)
 class TouchedObject:
@@ -131,6 +135,9 @@ class Contact(Lazy):
     #: into; 0 if none.
     parent: int
     merged_into: int
+
+    def __hash__(self) -> int:
+        return hash((self.id, self.since_onset_ns))
 
     @property
     def best(self) -> str:
@@ -207,6 +214,9 @@ class Answer(Lazy):
     frame: Optional["numpy.typing.NDArray[Any]"] = field(compare=False, repr=False)
     #: The skin in use.
     skin: Skin = field(compare=False, repr=False)
+
+    def __hash__(self) -> int:
+        return hash((self.sequence, self.is_final))
 
     @property
     def main(self) -> Optional[Contact]:

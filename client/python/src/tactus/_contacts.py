@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Mapping, Optional, Tuple, Union
 
 import numpy
@@ -53,7 +53,11 @@ class LoggedContact:
     given_by: Optional[str]
     #: Loads of the frame with the largest load, [rows, columns]; None unless
     #: pictures were asked for.
-    picture: Optional["numpy.typing.NDArray[numpy.float32]"]
+    picture: Optional["numpy.typing.NDArray[numpy.float32]"] = field(compare=False)
+
+    # A mapping has no hash.
+    def __hash__(self) -> int:
+        return hash(self.name)
 
     def __str__(self) -> str:
         return self.name

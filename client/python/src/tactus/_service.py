@@ -9,7 +9,7 @@ from typing import Any, Iterator, List, Optional, Sequence, Tuple, Union
 from tactus._connection import Api
 from tactus._contacts import ContactLabel, Labels, LoggedContact, Replay, logged_of, replay_of
 from tactus._datasets import Dataset, DatasetVersion, version_of
-from tactus._errors import invalid
+from tactus._errors import Error, invalid
 from tactus._jobs import STATES, Job
 from tactus._models import (Alias, AliasChange, Gate, ModelVersion, alias_of, change_of,
                             model_of)
@@ -177,10 +177,13 @@ class Service:
     def alias(self, name: str = "default") -> Alias:
         """An alias by its name. ALIAS_NOT_FOUND."""
         wanted = full_name("aliases", name)
-        for alias in self.aliases():
+        aliases = self.aliases()
+        for alias in aliases:
             if alias.name == wanted:
                 return alias
-        raise invalid("alias", wanted, "one that there is", reason="ALIAS_NOT_FOUND")
+        there = ", ".join(alias.name for alias in aliases) or "none"
+        raise Error(f"{wanted} does not exist; there is {there}", reason="ALIAS_NOT_FOUND",
+                    code="NOT_FOUND", advice="client.promote(version, alias) makes it")
 
     def update_alias(self, name: str = "default", *, canary: Optional[Tuple[ModelName, int]] = None,
                      gate: Optional[Gate] = None, shadow: Optional[ModelName] = None,
