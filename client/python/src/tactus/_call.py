@@ -86,7 +86,7 @@ class PlainCall(Call):
                  wait_for_ready: bool) -> None:
         self._queue: "queue.SimpleQueue[Optional[bytes]]" = queue.SimpleQueue()
         self._queue.put(first)
-        requests: Iterator[bytes] = iter(self._queue.get, None)  # type: ignore[arg-type]
+        requests: Iterator[Optional[bytes]] = iter(self._queue.get, None)
         self._rpc = channel.stream_stream(METHOD)(
             requests, metadata=tuple(metadata), wait_for_ready=wait_for_ready)
 

@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass
 from typing import Any, Callable, Iterator, List, Mapping, Optional, Sequence, Tuple
 
-from tactus._connection import Api, repeated
+from tactus._connection import Api
 from tactus._crc32c import crc32c
 from tactus._errors import Error, may_retry
 from tactus._names import full_name, new_request_id, time_of
@@ -243,8 +243,8 @@ class _Uploader:
         self._upload = created.upload
         self._write(created.committed_size, size)
         request = pb.FinishUploadRequest(upload=self._upload, size=size, crc32c=crc)
-        made = repeated(lambda: self._api.call(
-            "TrainingService/FinishUpload", request, pb.FinishUploadResponse, long=True))
+        made = self._api.call("TrainingService/FinishUpload", request, pb.FinishUploadResponse,
+                              long=True, again=True)
         return Upload(version_of(made.version), tuple(
             TrialNote(_NOTES.get(note.kind, ""), note.id, note.other_id, note.new_id)
             for note in made.notes))

@@ -231,7 +231,7 @@ def _read_npz(path: pathlib.Path, skin: Optional[Skin]) -> Trial:
             values = {key: arrays[key] for key in arrays.files}
     except ValueError as error:
         raise _bad(path, str(error)) from error
-    touches = []
+    touches: List[Touch] = []
     while f"touches/{len(touches):02}/begin_s" in values:
         prefix = f"touches/{len(touches):02}/"
         touches.append(_touch_of({key[len(prefix):]: value for key, value in values.items()

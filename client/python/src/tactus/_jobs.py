@@ -259,7 +259,7 @@ class _Bar:
     def __init__(self) -> None:
         self._phase = ""
         try:
-            from tqdm.auto import tqdm  # type: ignore[import,unused-ignore]
+            from tqdm.auto import tqdm
         except ImportError:
             self._bar = None
         else:

@@ -91,7 +91,7 @@ class Link:
         self._changed = changed
         self._direct = direct
         self._answers_are_due = config.cadence in (1, _EVERY_N_FRAMES)
-        self._interval = max(1, config.result_interval_frames)
+        self._interval: int = max(1, config.result_interval_frames)
 
         # Guards what follows, and tells of changes.
         self._mutex = threading.RLock()
@@ -146,7 +146,8 @@ class Link:
         if due is None:
             call.post(message.request)
         else:
-            self._receive_until(lambda: history.answered >= due, message)
+            last = due
+            self._receive_until(lambda: history.answered >= last, message)
 
     def offer(self, message: Message) -> bool:
         """Takes a message and does not wait; False if there is no room for it."""
@@ -154,15 +155,16 @@ class Link:
             if self.state is State.ENDED:
                 raise self.end_error()
             call = self._call
-            connected = self.state is State.CONNECTED and call is not None
-            if connected and call.queued() >= _MOST_QUEUED:
+            if self.state is not State.CONNECTED:
+                call = None
+            if call is not None and call.queued() >= _MOST_QUEUED:
                 return False
             if not self.history.add(message):
                 return False
             due = self._due(self.history.trial_frames, message)
             if due is not None:
                 self.last_due = due
-            if connected:
+            if call is not None:
                 self.history.sent_all()
                 call.post(message.request)
             else:

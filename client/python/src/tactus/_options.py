@@ -55,7 +55,8 @@ class StreamOptions:
 
 def to_config(skin: Skin, options: StreamOptions) -> Any:
     """The ``tactus.v1.StreamConfig`` of a stream."""
-    config = contact_pb2.StreamConfig()
+    # The enumerations are numbers here, and types in the stubs.
+    config: Any = contact_pb2.StreamConfig()
     config.geometry.CopyFrom(to_geometry(skin))
     config.taxel_type = TAXEL_TYPES[skin.dtype]
     config.scale = skin.scale

@@ -115,8 +115,8 @@ class Service:
         numbers = {name: number for number, name in STATES.items()}
         if state and state not in numbers:
             raise invalid("state", state, ", ".join(numbers))
-        request = operations_pb2.ListOperationsRequest(
-            page_size=100, state=numbers.get(state, 0))
+        request: Any = operations_pb2.ListOperationsRequest(page_size=100)
+        request.state = numbers.get(state, 0)
         for operation in self._api.pages("OperationService/ListOperations", request,
                                          operations_pb2.ListOperationsResponse, "operations"):
             yield Job(self._api, operation)
@@ -243,11 +243,14 @@ class Service:
         """The contacts that the server keeps, the newest or the least certain
         first. ``answer`` is a class or "QUESTION=VALUE". NO_CONTACT_LOG."""
         request = contact_log_pb2.ListContactsRequest(
-            page_size=200, order=1 if uncertain_first else 0, robot=robot,
-            model=full_name("models", model) if model else "", answer=answer,
-            only_unknown=only_unknown, only_undecided=only_undecided, only_revised=only_revised,
-            only_disagreeing=only_disagreeing, confidence_below=confidence_below,
-            labelled=labelled, with_pictures=with_pictures)
+            page_size=200, robot=robot, model=full_name("models", model) if model else "",
+            answer=answer, only_unknown=only_unknown, only_undecided=only_undecided,
+            only_revised=only_revised, only_disagreeing=only_disagreeing,
+            confidence_below=confidence_below, with_pictures=with_pictures)
+        if uncertain_first:
+            request.order = contact_log_pb2.ListContactsRequest.ORDER_UNCERTAIN
+        if labelled is not None:
+            request.labelled = labelled
         for contact in self._api.pages("ContactLogService/ListContacts", request,
                                        contact_log_pb2.ListContactsResponse, "contacts"):
             yield logged_of(contact)
@@ -302,8 +305,11 @@ class Service:
         for name, value, known in (("shares", shares, _SHARES), ("truth", truth, _TRUTHS)):
             if value not in known:
                 raise invalid(name, value, " or ".join(filter(None, known)))
-        return operations_pb2.TrainSpec(
+        made: Any = operations_pb2.TrainSpec(
             dataset_version=self._version_of(dataset), model=model, preset=preset, seed=seed,
             features=features, networks=networks, epochs=epochs, hmms_per_class=hmms_per_class,
-            skip_unusable=skip_unusable, note=note, truth=_TRUTHS[truth], shares=_SHARES[shares],
-            with_cues=with_cues, without_cues=without_cues, questions=questions)
+            skip_unusable=skip_unusable, note=note, with_cues=with_cues,
+            without_cues=without_cues, questions=questions)
+        made.truth = _TRUTHS[truth]
+        made.shares = _SHARES[shares]
+        return made

@@ -163,7 +163,8 @@ PRESETS = {
 
 def to_geometry(skin: Skin) -> Any:
     """A skin as a ``tactus.v1.SensorGeometry``."""
-    geometry = common_pb2.SensorGeometry()
+    # The enumerations are numbers here, and types in the stubs.
+    geometry: Any = common_pb2.SensorGeometry()
     for name, value in (("rows", skin.rows), ("columns", skin.columns),
                         ("axes", skin.axes), ("normal_axis", skin.normal_axis or 0)):
         if not 0 <= value < 2**32:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 import numpy
 import numpy.typing
@@ -99,15 +99,15 @@ class Trial:
         array: Any = self.signals if self.taxels is None else self.taxels
         if self.time is None:
             object.__setattr__(self, "time", numpy.arange(len(array)) / self.rate_hz)
-        for name, shape in (("time", ()), ("taxels", None), ("signals", (3,)), ("poses", (7,)),
-                            ("object_motion", ())):
+        widths: Dict[str, Tuple[int, ...]] = {
+            "time": (), "signals": (3,), "poses": (7,), "object_motion": ()}
+        if self.taxels is not None:
+            widths["taxels"] = self.taxels.shape[1:]
+        for name, width in widths.items():
             values = getattr(self, name)
-            if values is None:
-                continue
-            if len(values) != len(self.time) or (shape is not None
-                                                 and values.shape[1:] != shape):
-                raise _wrong(self, f"{name}.shape", values.shape,
-                             f"({', '.join(map(str, (len(self.time), *(shape or ('...',)))))})")
+            right = (len(self.time), *width)
+            if values is not None and values.shape != right:
+                raise _wrong(self, f"{name}.shape", values.shape, str(right))
 
     @property
     def frames(self) -> int:
@@ -154,7 +154,7 @@ def _wrong(trial: Trial, what: str, value: object, expected: str) -> Error:
 
 def to_record(trial: Trial, name: str) -> bytes:
     """A serialised ``tactus.v1.TrialRecord``, with ``name`` for an id."""
-    record = trial_pb2.TrialRecord(
+    record: Any = trial_pb2.TrialRecord(
         id=name, label=trial.label, condition=trial.condition, object=trial.object,
         material=trial.material, stiffness=trial.stiffness, velocity=trial.velocity,
         sample_rate_hz=trial.rate_hz, unit=_UNITS[trial.unit], source=trial.source)
