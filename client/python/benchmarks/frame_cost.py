@@ -3,11 +3,12 @@
 
     client/python/benchmarks/frame_cost.py BIN [--rounds=20] [--frames=2000] [--json]
 
-BIN is the folder of tactusd, which is started on a free port of this machine. One
-process runs, in turns, (a) a client of plain generated stubs, as in
+BIN is the folder of tactusd, which is started on a free port of this machine. Three
+processes take turns: (a) a client of plain generated stubs, as in
 docs/your-first-client.md, (b) tactus.Client, and (c) tactus.Client that packs 8
 frames in a message. Each sends a frame of 16 x 24 uint16 with a contact, waits
-for its answer, and reads one probability of it; (c) waits for 8 at once.
+for its answer, and reads one probability of it; (c) waits for 8 at once. They are
+processes because the threads of one grpc channel serve the others of a process.
 
 Prints the mean of the rounds, with the 95 % interval of Student's t, and the
 wall-clock time of a frame. The package must be installed.
@@ -107,28 +108,68 @@ def serve(folder, work):
     return server, f"127.0.0.1:{port.read_text().strip()}"
 
 
+KINDS = {
+    "plain stubs": plain_stubs,
+    "Client": tactus_client,
+    "Client, 8 a message": lambda address: tactus_client(address, frames_per_message=8),
+}
+
+
+def work(kind, address, frames):
+    """Measures a round for each line of standard input."""
+    stream = KINDS[kind](address)
+    measure(stream, max(200, frames // 10))
+    for _ in sys.stdin:
+        print(json.dumps(measure(stream, frames)), flush=True)
+    stream.close()
+
+
+class Worker:
+    def __init__(self, kind, address, frames):
+        self.process = subprocess.Popen(
+            [sys.executable, __file__, "--work", kind, "--address", address, "--frames",
+             str(frames), ""], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def measure(self):
+        self.process.stdin.write("\n")
+        self.process.stdin.flush()
+        return json.loads(self.process.stdout.readline())
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait()
+        self.process.stdout.close()
+
+
+def compare(address, rounds, frames):
+    workers = {kind: Worker(kind, address, frames) for kind in KINDS}
+    measured = {kind: [] for kind in KINDS}
+    for _ in range(rounds):
+        for kind, worker in workers.items():
+            measured[kind].append(worker.measure())
+    for worker in workers.values():
+        worker.close()
+    return measured
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("bin")
     parser.add_argument("--rounds", type=int, default=20)
     parser.add_argument("--frames", type=int, default=2000)
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--work", help=argparse.SUPPRESS)
+    parser.add_argument("--address", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
+    if arguments.work:
+        work(arguments.work, arguments.address, arguments.frames)
+        return
     if arguments.rounds < 2:
         parser.error("--rounds must be 2 or more")
-    with tempfile.TemporaryDirectory() as work:
-        server, address = serve(arguments.bin, work)
+    with tempfile.TemporaryDirectory() as folder:
+        server, address = serve(arguments.bin, folder)
         try:
-            streams = {"plain stubs": plain_stubs(address), "Client": tactus_client(address),
-                       "Client, 8 a message": tactus_client(address, frames_per_message=8)}
-            for stream in streams.values():
-                measure(stream, max(200, arguments.frames // 10))
-            measured = {name: [] for name in streams}
-            for _ in range(arguments.rounds):
-                for name, stream in streams.items():
-                    measured[name].append(measure(stream, arguments.frames))
-            for stream in streams.values():
-                stream.close()
+            measured = compare(address, arguments.rounds, arguments.frames)
         finally:
             server.terminate()
             server.wait()
@@ -136,18 +177,18 @@ def main():
         "rounds": arguments.rounds, "frames_per_round": arguments.frames,
         "python": sys.version.split()[0], "grpcio": grpc.__version__,
         "cpus": os.cpu_count(), "load": os.getloadavg()[0],
-        "us_per_frame": {name: {"cpu": summary([cpu for cpu, _ in values]),
+        "us_per_frame": {kind: {"processor": summary([cpu for cpu, _ in values]),
                                 "wall": summary([wall for _, wall in values])}
-                         for name, values in measured.items()}}
+                         for kind, values in measured.items()}}
     if arguments.json:
         print(json.dumps(result))
         return
     print(f"{arguments.rounds} rounds of {arguments.frames} frames each, Python "
           f"{result['python']}, grpcio {result['grpcio']}, load {result['load']:.1f}")
     print("microseconds a frame: mean and 95 % interval of the rounds")
-    for name, figures in result["us_per_frame"].items():
-        cpu, wall = figures["cpu"], figures["wall"]
-        print(f"{name:20} processor {cpu['mean']:6.1f} ({cpu['low']:.1f} to {cpu['high']:.1f})"
+    for kind, figures in result["us_per_frame"].items():
+        cpu, wall = figures["processor"], figures["wall"]
+        print(f"{kind:20} processor {cpu['mean']:6.1f} ({cpu['low']:.1f} to {cpu['high']:.1f})"
               f"   wall clock {wall['mean']:6.1f} ({wall['low']:.1f} to {wall['high']:.1f})")
 
 

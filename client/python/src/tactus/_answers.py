@@ -146,6 +146,17 @@ class Contact(Lazy):
 
     def probability(self, question: str, value: str) -> float:
         """Probability of a value of a question; 0 if the model has none such."""
+        names = self.__dict__.get("_names")
+        if names is not None:
+            # Robots ask for one number of each answer.
+            place = names.places.get((question, value))
+            if place is None:
+                return 0.0
+            try:
+                found: float = self.__dict__["_message"].answers[place[0]].probability[place[1]]
+                return found
+            except IndexError:
+                pass  # A broken answer; what follows says so.
         answer = self.answers.get(question)
         return 0.0 if answer is None else answer.values.get(value, 0.0)
 
@@ -221,7 +232,11 @@ class Answer(Lazy):
     @property
     def main(self) -> Optional[Contact]:
         """The contact that a robot reads if it wants one; None if there is none."""
-        return self.contacts[0] if self.contacts else None
+        values = self.__dict__
+        contacts = values.get("contacts")
+        if contacts is None:
+            contacts = values["contacts"] = _contacts(values)
+        return contacts[0] if contacts else None
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the skin and the probabilities with matplotlib; returns the axes."""
@@ -278,6 +293,8 @@ class Names:
         self.skin = skin
         self.classes = info.classes
         self.questions = tuple((question.name, question.values) for question in info.questions)
+        self.places = {(question.name, value): (q, v) for q, question in enumerate(info.questions)
+                       for v, value in enumerate(question.values)}
 
 
 def info_of(started: Any) -> StreamInfo:

@@ -7,7 +7,7 @@ taxels are copied once, into the bytes that grpc sends.
 from __future__ import annotations
 
 from struct import Struct
-from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy
 
@@ -26,15 +26,27 @@ _POSE = Struct("<7d")
 END_OF_TRIAL = b"\x1a\x00"
 
 
-class Message(NamedTuple):
-    """A request with frames."""
+class Message:
+    """A request with frames, and what a history knows of it."""
 
-    request: bytes
-    first_sequence: int
-    frames: int
-    first_time_ns: int
-    #: Where the taxels of the first frame begin in ``request``.
-    offset: int
+    __slots__ = ("request", "first_sequence", "frames", "first_time_ns", "offset", "last",
+                 "frames_before", "missing", "may_begin")
+
+    def __init__(self, request: bytes, first_sequence: int, frames: int, first_time_ns: int,
+                 offset: int) -> None:
+        self.request = request
+        self.first_sequence = first_sequence
+        self.frames = frames
+        self.first_time_ns = first_time_ns
+        #: Where the taxels of the first frame begin in ``request``.
+        self.offset = offset
+        #: Sequence number of the last frame.
+        self.last = first_sequence + frames - 1
+        #: Frames of the trial before it, and frames missing until it.
+        self.frames_before = 0
+        self.missing = 0
+        #: A replay may begin with it, as far as poses and cadence are concerned.
+        self.may_begin = True
 
 
 def varint(value: int) -> bytes:
@@ -59,6 +71,8 @@ class FrameWriter:
         check_frames_per_message(frames_per_message)
         self.skin = skin
         self.period_ns = 1e9 / skin.rate_hz
+        self._period_ns = round(self.period_ns)
+        self._with_poses = skin.with_poses
         self._dtype = numpy.dtype(skin.dtype).newbyteorder("<")
         self._shape = skin.shape
         values = skin.rows * skin.columns * skin.axes
@@ -109,28 +123,29 @@ class FrameWriter:
         if (type(frame) is not numpy.ndarray or frame.dtype != self._dtype
                 or frame.shape != self._shape or not frame.flags.c_contiguous):
             self.check(frame)
-        if missing < 0:
-            raise invalid("missing_before", missing, "0 or more")
-        if self.skin.with_poses or pose is not None:
+        if missing:
+            if missing < 0:
+                raise invalid("missing_before", missing, "0 or more")
+            self._next_time_ns += round(missing * self.period_ns)
+        if pose is not None or self._with_poses:
             self._add_pose(pose)
         if time_ns is None:
-            time_ns = self._next_time_ns + round(missing * self.period_ns)
-        self._next_time_ns = time_ns + round(self.period_ns)
-        done: Tuple[Message, ...] = ()
-        if self._pending and missing:
-            # The pose of this frame belongs to the next message.
-            last = self._poses.pop() if self._poses else None
-            done = (self._message(),)
-            if last is not None:
-                self._poses.append(last)
+            time_ns = self._next_time_ns
+        self._next_time_ns = time_ns + self._period_ns
         sequence = self.next_sequence + missing
+        self.next_sequence = sequence + 1
         if self._most == 1:
-            self.next_sequence = sequence + 1
-            return done + (self._single(frame, sequence, time_ns),)
+            return (self._single(frame, sequence, time_ns),)
+        done: Tuple[Message, ...] = ()
+        if missing and self._pending:
+            # The pose of this frame belongs to the next message.
+            pose_bytes = self._poses.pop() if self._poses else None
+            done = (self._message(),)
+            if pose_bytes is not None:
+                self._poses.append(pose_bytes)
         if not self._pending:
             self._first_sequence = sequence
             self._first_time_ns = time_ns
-        self.next_sequence = sequence + 1
         # A copy, because the robot writes to its frame again.
         self._pending.append(frame.tobytes())
         if len(self._pending) == self._most:
@@ -142,7 +157,7 @@ class FrameWriter:
         return (self._message(),) if self._pending else ()
 
     def _add_pose(self, pose: Optional[Sequence[float]]) -> None:
-        if not self.skin.with_poses:
+        if not self._with_poses:
             raise FrameError("a pose was given, but the skin has none", reason="INVALID_POSE",
                              advice="use Skin(with_poses=True), or leave the pose out")
         if pose is None or len(pose) != 7:

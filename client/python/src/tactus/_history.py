@@ -18,7 +18,7 @@ from tactus.v1 import contact_pb2
 _RELEASED = 4
 MIN_REPLAY_BYTES = 256 * 1024
 MAX_REPLAY_BYTES = 16 * 1024 * 1024
-# What a record takes besides its message.
+# What a message takes besides its bytes.
 _RECORD_BYTES = 200
 
 
@@ -45,21 +45,6 @@ class PoseSpacing:
         return True
 
 
-class Record:
-    """A message that is kept, and what is known of the frames before it."""
-
-    __slots__ = ("message", "last", "frames_before", "missing", "may_begin", "bytes")
-
-    def __init__(self, message: Message, frames_before: int, missing: int,
-                 may_begin: bool) -> None:
-        self.message = message
-        self.last = message.first_sequence + message.frames - 1
-        self.frames_before = frames_before
-        self.missing = missing
-        self.may_begin = may_begin
-        self.bytes = len(message.request) + _RECORD_BYTES
-
-
 class StreamHistory:
     """Belongs to one thread, or is guarded by its stream's lock."""
 
@@ -73,12 +58,12 @@ class StreamHistory:
         self._period_ns = 1e9 / rate_hz
         self._max_bytes = max_bytes
 
-        self._ring: Deque[Record] = deque()
+        self._ring: Deque[Message] = deque()
         self.bytes = 0
-        # Records of the ring that the current stream has got.
+        # Messages of the ring that the current stream has got.
         self._next = 0
         self.last_sequence = 0
-        self._last_time_ns = 0
+        self._last_message: Optional[Message] = None
         self._sent = 0
         self.replayed_frames = 0
         self.trial_frames = 0
@@ -120,24 +105,26 @@ class StreamHistory:
             self._beginning_lost = True
             self._pop()
         lost = 0
-        first = message.first_sequence
-        if self.trial_frames == 0:
-            self._idle_from = first
+        frames = self.trial_frames
+        if frames == 0:
+            self._idle_from = message.first_sequence
         else:
-            lost = first - self.last_sequence - 1
+            lost = message.first_sequence - self.last_sequence - 1
             self._missing += lost
-        may_begin = self.trial_frames % self._interval == 0
+        message.frames_before = frames
+        message.missing = self._missing
+        if self._interval != 1:
+            message.may_begin = frames % self._interval == 0
         if self._spacing is not None:
             for i in range(message.frames):
                 kept = self._spacing.step(lost if i == 0 else 0)
-                if i == 0:
-                    may_begin = may_begin and kept
-        self._ring.append(Record(message, self.trial_frames, self._missing, may_begin))
+                if i == 0 and not kept:
+                    message.may_begin = False
+        self._ring.append(message)
         self.bytes += size
-        self.trial_frames += message.frames
-        self.last_sequence = first + message.frames - 1
-        self._last_time_ns = message.first_time_ns + round(
-            (message.frames - 1) * self._period_ns)
+        self.trial_frames = frames + message.frames
+        self.last_sequence = message.last
+        self._last_message = message
         return True
 
     def end_trial(self) -> None:
@@ -147,14 +134,14 @@ class StreamHistory:
     def has_unsent(self) -> bool:
         return self._next < len(self._ring)
 
-    def next_unsent(self) -> Optional[Record]:
+    def next_unsent(self) -> Optional[Message]:
         """The next message that the current stream has not got; it counts as
         sent."""
         if not self.has_unsent:
             return None
         record = self._ring[self._next]
         if record.last <= self._sent:
-            self.replayed_frames += record.message.frames
+            self.replayed_frames += record.frames
         else:
             self._sent = record.last
         self._next += 1
@@ -214,13 +201,19 @@ class StreamHistory:
 
     def find(self, sequence: int) -> Optional[Message]:
         """The message with a frame, if it is kept."""
-        for record in reversed(self._ring):
-            if record.message.first_sequence <= sequence:
-                return record.message if sequence <= record.last else None
+        for message in reversed(self._ring):
+            if message.first_sequence <= sequence:
+                return message if sequence <= message.last else None
         return None
 
+    def _last_time_ns(self) -> int:
+        message = self._last_message
+        if message is None:
+            return 0
+        return message.first_time_ns + round((message.frames - 1) * self._period_ns)
+
     def _pop(self) -> None:
-        self.bytes -= self._ring.popleft().bytes
+        self.bytes -= len(self._ring.popleft().request) + _RECORD_BYTES
         if self._next:
             self._next -= 1
 
@@ -230,7 +223,7 @@ class StreamHistory:
         if shown.is_final and self.trial_frames == 0:
             # In a trial without frames, a final repeats the last frame before it.
             shown.sequence = self.last_sequence
-            shown.capture_time_ns = self._last_time_ns
+            shown.capture_time_ns = self._last_time_ns()
         base = self._base_contacts
         if base:
             for contact in shown.contacts:
@@ -293,7 +286,7 @@ class StreamHistory:
         first = -1
         for i in range(self._next):
             record = self._ring[i]
-            begin = record.message.first_sequence
+            begin = record.first_sequence
             if begin + self._lead > idle_to:
                 break
             if record.may_begin and begin >= self._idle_from:

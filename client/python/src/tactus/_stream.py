@@ -123,8 +123,6 @@ class StreamCore:
     def take(self) -> List[Answer]:
         """The answers that wait."""
         answers = self.answers
-        if self.lockstep and len(answers) == 1:
-            return [answers.popleft()]
         taken: List[Answer] = []
         while answers:
             taken.append(answers.popleft())
@@ -243,9 +241,11 @@ class Stream:
         Raises :class:`tactus.FrameError` for a frame that the skin cannot have;
         the stream then goes on. Any other error has ended the stream.
         """
-        for message in self._core.pack(frame, capture_time_ns, missing_before, pose):
+        core = self._core
+        for message in core.pack(frame, capture_time_ns, missing_before, pose):
             self._link.send(message)
-        return self._core.take()
+        answers = core.answers
+        return [answers.popleft()] if len(answers) == 1 else core.take()
 
     def push_many(self, frames: "numpy.typing.NDArray[Any]", *,
                   poses: Optional["numpy.typing.NDArray[Any]"] = None) -> List[Answer]:

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 _CELL = 12
 _MOST_SIDE = 360
 _BAR = 120
-_TIMELINE = 480
+_TIMELINE = 320
+_DOT = 5
 _COLOURS = {"touched": "#1f77b4", "released": "#7f7f7f", "decided": "#2ca02c",
             "changed": "#ff7f0e", "unknown": "#d62728", "merged": "#9467bd",
             "split": "#8c564b", "moved over skin": "#17becf"}
@@ -105,8 +106,8 @@ def timeline_svg(marks: Sequence[Tuple[float, str, str]], begin: float, end: flo
     span = max(end - begin, 1e-9)
     parts = [_tag("line", x1="0", y1="20", x2=f"{_TIMELINE}", y2="20", stroke="#888888")]
     for seconds, kind, text in marks:
-        x = _TIMELINE * (seconds - begin) / span
-        parts.append(_tag("circle", _tag("title", escape(text)), cx=f"{x:.1f}", cy="20", r="5",
+        x = _DOT + (_TIMELINE - 2 * _DOT) * (seconds - begin) / span
+        parts.append(_tag("circle", _tag("title", escape(text)), cx=f"{x:.1f}", cy="20", r=f"{_DOT}",
                           fill=_COLOURS.get(kind, "#000000")))
     for x, seconds, anchor in ((0, begin, "start"), (_TIMELINE, end, "end")):
         parts.append(_tag("text", f"{seconds:.2f} s", x=f"{x}", y="38", font_size="11",
