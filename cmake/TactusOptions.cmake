@@ -33,6 +33,11 @@ endif()
 # The same input gives the same bits: no contraction that depends on the host.
 add_compile_options(-ffp-contract=off)
 
+# A module of Python is a shared library, and so is all that it links.
+if(TACTUS_PYTHON)
+  set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+endif()
+
 if(TACTUS_SANITIZE STREQUAL "address")
   # Checks of pointers cost a third of the compile time. A null pointer stops the
   # program by itself, AddressSanitizer sees objects that are too small, and the

@@ -90,7 +90,9 @@ readonly PAGE=(
 readonly PYTHON=(
   protobuf-compiler
   protobuf-compiler-grpc
+  pybind11-dev
   python3-build
+  python3-dev
   python3-grpcio
   python3-numpy
   python3-protobuf

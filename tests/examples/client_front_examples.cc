@@ -10,6 +10,7 @@
 #include "client/front/remote_stream.h"
 #include "client/front/skin_convert.h"
 #include "client/front/wrapped_driver.h"
+#include "client/python/native/local_session.h"
 #include "core/base/status_macros.h"
 #include "tactus/classifier.h"
 #include "tactus/client.h"
@@ -48,6 +49,14 @@ static absl::Status ClientExample(const Frame& frame) {
 
 static absl::Status ClassifierExample(const Frame& frame) {
 #include "client/include/tactus/classifier.h.inc"
+}
+
+static absl::Status LocalSessionExample(const std::string& config,
+                                        const std::string& request) {
+  using python::LocalModel;
+  using python::LocalSession;
+#include "client/python/native/local_session.h.inc"
+  return absl::OkStatus();
 }
 
 static void MockExample(const Frame& frame) {

@@ -1,6 +1,7 @@
 """The training service: from arrays to a served model, and labels back."""
 
 import contextlib
+import importlib.util
 import io
 import pathlib
 import threading
@@ -212,6 +213,42 @@ class TrainingTest(unittest.TestCase):
             # The same request again changes nothing.
             again = dataset.upload(trials[:1], request_id="one")
             self.assertEqual(dataset.upload(trials[:1], request_id="one").version, again.version)
+
+    @unittest.skipUnless(importlib.util.find_spec("sklearn"), "needs scikit-learn")
+    def test_scikit_learn(self):
+        import pickle
+
+        from sklearn.base import clone
+        from sklearn.model_selection import cross_val_score
+
+        random = numpy.random.default_rng(7)
+        skin = tactus.Skin(name="cody-forearm", dtype="float32")
+        X, y = [], []
+        for label, force in (("firm", 2.0), ("light", 0.2)) * 8:
+            frames = numpy.zeros((60, 16, 24), "float32")
+            row, column = random.integers(2, 12, 2)
+            frames[5:55, row:row + 2, column:column + 2] = force * random.uniform(0.9, 1.1)
+            X.append(frames[:random.integers(50, 60)])
+            y.append(label)
+        model = tactus.TouchClassifier(skin, self.server.address, preset="ridge")
+        with self.assertRaises(tactus.Error):
+            model.predict(X)
+        copy = clone(model)
+        self.assertEqual(copy.get_params(), model.get_params())
+        self.assertIs(model.fit(X, y), model)
+        self.assertEqual(model.classes_.tolist(), ["firm", "light"])
+        probabilities = model.predict_proba(X)
+        self.assertEqual(probabilities.shape, (16, 2))
+        numpy.testing.assert_allclose(probabilities.sum(axis=1), 1)
+        self.assertEqual(model.score(X, y), 1.0)
+        again = pickle.loads(pickle.dumps(model))
+        self.assertEqual(again.predict(X).tolist(), y)
+        untouched = [numpy.zeros((20, 16, 24), "float32")]
+        self.assertEqual(model.predict_proba(untouched).tolist(), [[0.5, 0.5]])
+        self.assertGreater(cross_val_score(copy, X, y, cv=2).mean(), 0.8)
+        name = model.model_version_.split("/")[1]
+        model.delete()
+        self.assertNotIn(f"datasets/{name}", [d.name for d in self.client.datasets()])
 
     def test_crc32c(self):
         table = []

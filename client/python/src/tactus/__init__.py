@@ -22,8 +22,10 @@ from tactus._client import Client, StreamContext
 from tactus._contacts import ContactLabel, LoggedAnswer, LoggedContact, Replay
 from tactus._datasets import Dataset, DatasetVersion, TrialInfo, TrialNote, Upload
 from tactus._errors import Error, FrameError, JobError
+from tactus._estimator import TouchClassifier
 from tactus._files import Recording, write_trials
 from tactus._jobs import Accuracy, Evaluation, Job, LearningPoint, Result
+from tactus._local import Classifier
 from tactus._models import Alias, AliasChange, Gate, ModelVersion
 from tactus._options import StreamOptions
 from tactus._skin import PRESETS, LightTouch, Skin
@@ -34,10 +36,10 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Accuracy", "Alias", "AliasChange", "Answer", "Answers", "AsyncStream", "Calibration",
-    "Client", "Contact", "ContactLabel", "Dataset", "DatasetVersion", "DecidedValue", "Error",
+    "Classifier", "Client", "Contact", "ContactLabel", "Dataset", "DatasetVersion", "DecidedValue", "Error",
     "Evaluation", "Event", "FrameError", "Gate", "Job", "JobError", "LearningPoint",
     "LightTouch", "LoggedAnswer", "LoggedContact", "ModelVersion", "Notice", "PRESETS", "Patch",
     "Point", "QuestionAnswer", "QuestionInfo", "Recording", "Replay", "Result", "Skin", "Spot",
     "Stream", "StreamContext", "StreamInfo", "StreamOptions", "StreamStatistics", "Touch",
-    "TouchedObject", "Trial", "TrialInfo", "TrialNote", "Upload", "write_trials",
+    "TouchClassifier", "TouchedObject", "Trial", "TrialInfo", "TrialNote", "Upload", "write_trials",
 ]

@@ -5,13 +5,13 @@ from __future__ import annotations
 import asyncio
 import functools
 from types import TracebackType
-from typing import Any, Optional, Type
+from typing import Any, Callable, Optional, Type
 
 from tactus._async import AsyncStream, Waker
 from tactus._calibration import Calibration
 from tactus._connection import Api, connect
 from tactus._history import MAX_REPLAY_BYTES
-from tactus._link import Timeouts
+from tactus._link import Link, Timeouts
 from tactus._options import StreamOptions
 from tactus._service import Service
 from tactus._skin import Skin
@@ -24,14 +24,23 @@ class StreamContext:
 
     def __init__(self, connection: Connection, skin: Skin, options: StreamOptions,
                  calibration: Optional[Calibration], tare: int, drift_s: float) -> None:
-        self._make = functools.partial(StreamCore, connection, skin, options, calibration, tare,
-                                       drift_s)
+        self._connection = connection
+        self._arguments = (skin, options, calibration, tare, drift_s)
         self._waits = options.wait and options.cadence == "interval"
         self._stream: Optional[Stream] = None
         self._async: Optional[AsyncStream] = None
 
     def open(self) -> Stream:
         return Stream(self._make(lambda: None))
+
+    def _make(self, changed: Callable[[], None], in_loop: bool = False) -> StreamCore:
+        skin, options, calibration, tare, drift_s = self._arguments
+
+        def link(config: Any, lockstep: bool, deliver: Any, notice: Any) -> Link:
+            return self._connection.link(options.client_id, config, lockstep, deliver, notice,
+                                         changed)
+
+        return StreamCore(link, skin, options, calibration, tare, drift_s, in_loop)
 
     def __enter__(self) -> Stream:
         self._stream = self.open()

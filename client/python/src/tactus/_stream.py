@@ -51,13 +51,25 @@ class Connection:
     replay_bytes: int
     direct: Optional[bool] = None
 
+    def link(self, client_id: str, config: Any, lockstep: bool,
+             deliver: Callable[[Any, Optional[Message]], None], notice: Callable[[Any], None],
+             changed: Callable[[], None]) -> Link:
+        """A link of a stream."""
+        metadata = self.metadata
+        if client_id and client_id.isascii() and client_id.isprintable():
+            # By this, a proxy can send all streams of a robot to one server.
+            metadata += (("x-robot-id", client_id),)
+        return Link(self.channel, config, metadata, timeouts=self.timeouts,
+                    replay_bytes=self.replay_bytes, lockstep=lockstep, deliver=deliver,
+                    notice=notice, changed=changed, direct=self.direct)
+
 
 class StreamCore:
     """What Stream and AsyncStream share. Not for users."""
 
-    def __init__(self, connection: Connection, skin: Skin, options: StreamOptions,
+    def __init__(self, make_link: Callable[..., Any], skin: Skin, options: StreamOptions,
                  calibration: Optional[Calibration], tare: int, drift_s: float,
-                 changed: Callable[[], None], in_loop: bool = False) -> None:
+                 in_loop: bool = False) -> None:
         self.loads: Optional[Loads] = None
         if calibration is not None or tare:
             self.loads = Loads(skin, calibration, tare, drift_s)
@@ -72,16 +84,8 @@ class StreamCore:
         self.final: Optional[Answer] = None
         self.frames = 0
         self._names: Optional[Names] = None
-        metadata = connection.metadata
-        name = options.client_id
-        if name and name.isascii() and name.isprintable():
-            # By this, a proxy can send all streams of a robot to one server.
-            metadata += (("x-robot-id", name),)
-        self.link = Link(
-            connection.channel, config, metadata, timeouts=connection.timeouts,
-            replay_bytes=connection.replay_bytes, lockstep=self.lockstep,
-            deliver=self._deliver, notice=self._notice, changed=changed,
-            direct=connection.direct)
+        # A Link, or what stands in for one.
+        self.link: Any = make_link(config, self.lockstep, self._deliver, self._notice)
         started = self.link.started
         self.info: StreamInfo = info_of(started)
         self.skin = from_geometry(started.geometry, dtype=skin.dtype, scale=skin.scale,
