@@ -18,6 +18,7 @@ class ResumeTest(unittest.TestCase):
         self.server = Server()
         self.addCleanup(self.server.stop)
         self.random = random.Random(SEED)
+        self.restarts = []
         print(f"TACTUS_SEED={SEED}", flush=True)
         self.frames = touch(150, start=20)
         with tactus.Client(self.server.address) as client, client.stream(FOREARM) as stream:
@@ -26,11 +27,17 @@ class ResumeTest(unittest.TestCase):
 
     def kill_sometimes(self, t, at):
         if t in at:
+            for restart in self.restarts:
+                restart.join()
             self.server.kill()
             # It starts again while the robot goes on.
-            thread = threading.Timer(0.2, self.server.start)
-            thread.start()
-            self.addCleanup(thread.join)
+            self.restarts.append(threading.Timer(0.2, self.server.start))
+            self.restarts[-1].start()
+            self.addCleanup(self.restarts[-1].join)
+
+    def wait_until(self, holds):
+        while not holds():
+            time.sleep(0.01)
 
     def check(self, answers, resumed):
         self.assertEqual(resumed, 2)
@@ -57,8 +64,7 @@ class ResumeTest(unittest.TestCase):
                 # As a robot, which reads its skin while the stream is lost.
                 while stream.resuming and self.random.random() < 0.95:
                     time.sleep(0.01)
-            while stream.resuming:
-                time.sleep(0.01)
+            self.wait_until(lambda: stream.statistics.resumed == 1 and not stream.resuming)
             self.kill_sometimes(150, kills)
             final = stream.end_trial()
             answers += stream.poll() + [final]
@@ -90,6 +96,8 @@ class ResumeTest(unittest.TestCase):
                             answers.append(answer)
                         while stream.resuming:
                             await asyncio.sleep(0.01)
+                    while stream.statistics.resumed < 1 or stream.resuming:
+                        await asyncio.sleep(0.01)
                     answers += await stream.poll()
                     self.kill_sometimes(150, kills)
                     final = await stream.end_trial()

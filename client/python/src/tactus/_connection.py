@@ -26,7 +26,6 @@ _CHANNEL_OPTIONS = (
     ("grpc.enable_retries", 0),
     # A server that restarts is found again within a second.
     ("grpc.initial_reconnect_backoff_ms", 100),
-    ("grpc.min_reconnect_backoff_ms", 100),
     ("grpc.max_reconnect_backoff_ms", 1_000),
     ("grpc.max_receive_message_length", 64 * 1024 * 1024),
 )

@@ -185,7 +185,7 @@ def _connection_advice(code: int, message: str, reason: str) -> str:
     if code != grpc.StatusCode.UNAVAILABLE.value[0] or reason:
         return ""
     text = message.lower()
-    if "certificate" in text or "ssl" in text or "handshake" in text:
+    if "certificate" in text or "ssl" in text:
         return ("the TLS connection failed; give the certificate of the authority that signed "
                 "the server's with tls_ca=, and address the server by a name that it has")
     if "socket closed" in text or "connection reset" in text:

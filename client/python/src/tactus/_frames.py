@@ -21,6 +21,8 @@ _OVERHEAD_BYTES = 256
 _MAX_UINT64 = 2**64 - 1
 
 _POSE = Struct("<7d")
+# Six bytes for the sequence number, a tag, and ten for the time.
+_HEAD_BYTES = 17
 
 # ClassifyContactRequest.end_of_trial, empty.
 END_OF_TRIAL = b"\x1a\x00"
@@ -81,8 +83,15 @@ class FrameWriter:
         room = (MAX_MESSAGE_BYTES - _OVERHEAD_BYTES) // (
             self._bytes + (_POSE.size if skin.with_poses else 0))
         self._most = max(1, min(frames_per_message, room))
-        # Behind the count of a message with one frame: taxels and their size.
+        # What is the same in all messages with one frame: before the sequence
+        # number, before the taxels, and before the pose.
         self._one = b"\x18\x01\x22" + varint(self._bytes)
+        self._tail = b"\x32" + varint(_POSE.size)
+        size = 1 + _HEAD_BYTES + len(self._one) + self._bytes
+        if skin.with_poses:
+            size += len(self._tail) + _POSE.size
+        self._start = b"\x12" + varint(size) + b"\x08"
+        self._offset = len(self._start) + _HEAD_BYTES + len(self._one)
         self.next_sequence = 1
         self._next_time_ns = 0
         self._pending: List[Any] = []
@@ -132,10 +141,24 @@ class FrameWriter:
         if time_ns is None:
             time_ns = self._next_time_ns
         self._next_time_ns = time_ns + self._period_ns
-        sequence = self.next_sequence + missing
-        self.next_sequence = sequence + 1
+        n = self.next_sequence + missing
+        self.next_sequence = n + 1
         if self._most == 1:
-            return (self._single(frame, sequence, time_ns),)
+            t = time_ns & _MAX_UINT64
+            # Varints of a fixed length, longer than need be: then the sizes
+            # before them are constant.
+            head = bytes((
+                n & 127 | 128, n >> 7 & 127 | 128, n >> 14 & 127 | 128, n >> 21 & 127 | 128,
+                n >> 28 & 127 | 128, n >> 35 & 127, 16, t & 127 | 128, t >> 7 & 127 | 128,
+                t >> 14 & 127 | 128, t >> 21 & 127 | 128, t >> 28 & 127 | 128,
+                t >> 35 & 127 | 128, t >> 42 & 127 | 128, t >> 49 & 127 | 128,
+                t >> 56 & 127 | 128, t >> 63))
+            if self._with_poses:
+                request = b"".join((self._start, head, self._one, frame, self._tail,
+                                    self._poses.pop()))
+            else:
+                request = b"".join((self._start, head, self._one, frame))
+            return (Message(request, n, 1, time_ns, self._offset),)
         done: Tuple[Message, ...] = ()
         if missing and self._pending:
             # The pose of this frame belongs to the next message.
@@ -144,7 +167,7 @@ class FrameWriter:
             if pose_bytes is not None:
                 self._poses.append(pose_bytes)
         if not self._pending:
-            self._first_sequence = sequence
+            self._first_sequence = n
             self._first_time_ns = time_ns
         # A copy, because the robot writes to its frame again.
         self._pending.append(frame.tobytes())
@@ -165,17 +188,6 @@ class FrameWriter:
                 f"pose has {0 if pose is None else len(pose)} numbers; it must have 7: x, y and z "
                 "in metres and the unit quaternion qx, qy, qz, qw", reason="INVALID_POSE")
         self._poses.append(_POSE.pack(*pose))
-
-    def _single(self, frame: Any, sequence: int, time_ns: int) -> Message:
-        head = b"\x08" + varint(sequence) + b"\x10" + varint(time_ns & _MAX_UINT64) + self._one
-        size = len(head) + self._bytes
-        tail = b""
-        if self._poses:
-            tail = b"\x32" + varint(_POSE.size) + self._poses.pop()
-            size += len(tail)
-        start = b"\x12" + varint(size)
-        return Message(b"".join((start, head, frame, tail)), sequence, 1, time_ns,
-                       len(start) + len(head))
 
     def _message(self) -> Message:
         frames = len(self._pending)

@@ -95,9 +95,9 @@ class StreamHistory:
         self._repeated_superseded = 0
         self._base_end: Optional[Tuple[Any, int, Any]] = None
 
-    def add(self, message: Message) -> bool:
-        """Appends a message. False if there is no room for it: then only
-        messages are left that were never sent."""
+    def add(self, message: Message, sent: bool = False) -> bool:
+        """Appends a message, which is sent now or later. False if there is no
+        room for it: then only messages are left that were never sent."""
         size = len(message.request) + _RECORD_BYTES
         while self.bytes + size > self._max_bytes:
             if not self._ring or self._ring[0].last > self._sent:
@@ -125,6 +125,9 @@ class StreamHistory:
         self.trial_frames = frames + message.frames
         self.last_sequence = message.last
         self._last_message = message
+        if sent:
+            self._next = len(self._ring)
+            self._sent = message.last
         return True
 
     def end_trial(self) -> None:
@@ -146,10 +149,6 @@ class StreamHistory:
             self._sent = record.last
         self._next += 1
         return record
-
-    def sent_all(self) -> None:
-        self._next = len(self._ring)
-        self._sent = self.last_sequence
 
     def begin_stream(self) -> bool:
         """A new stream begins: all that is kept is unsent. False if frames that
@@ -191,6 +190,13 @@ class StreamHistory:
             return answer
         self.delivered = sequence
         contacts = answer.contacts
+        if self._touched and contacts:
+            # Mostly, the same contacts as before go on.
+            for contact in contacts:
+                if contact.state == _RELEASED or contact.id > self._contacts:
+                    break
+            else:
+                return answer
         if contacts or self._touched:
             self._learn(answer, contacts)
         if self._touched:

@@ -144,8 +144,7 @@ class Link:
                         raise no_response("frames", self._timeouts.push)
                     self._lock.wait(0.05)
         history = self.history
-        history.add(message)
-        history.sent_all()
+        history.add(message, True)
         due = (message.last if self._every_frame
                else self._due(history.trial_frames, message))
         call = self._call
@@ -160,10 +159,18 @@ class Link:
             payload = call.exchange(message.request)
         finally:
             self._receiving = False
-        # The usual case, without the detours of the others.
-        if payload is not None and self._take_usual(payload, message, due):
-            call.due = None
-            return
+        if payload is not None:
+            # The usual case, without the detours of the others.
+            try:
+                answer = _Response.FromString(payload).answer
+            except Exception:  # _take says so.
+                answer = _Response().answer
+            if answer.sequence == due and not answer.is_final:
+                shown = history.take(answer)
+                if shown is not None:
+                    self._deliver(shown, message)
+                call.due = None
+                return
         last = due
         self._receive_until(lambda: history.answered >= last, message, payload)
 
@@ -177,13 +184,12 @@ class Link:
                 call = None
             if call is not None and call.queued() >= _MOST_QUEUED:
                 return False
-            if not self.history.add(message):
+            if not self.history.add(message, call is not None):
                 return False
             due = self._due(self.history.trial_frames, message)
             if due is not None:
                 self.last_due = due
             if call is not None:
-                self.history.sent_all()
                 call.post(message.request)
             else:
                 self._lock.notify_all()
@@ -301,19 +307,6 @@ class Link:
         if beyond >= message.frames:
             return None
         return message.first_sequence + message.frames - 1 - beyond
-
-    def _take_usual(self, payload: bytes, message: Message, due: int) -> bool:
-        """Takes the answer to the frame that was sent, and nothing else."""
-        try:
-            answer = _Response.FromString(payload).answer
-        except Exception:  # _take says so.
-            return False
-        if answer.sequence != due or answer.is_final:
-            return False
-        shown = self.history.take(answer)
-        if shown is not None:
-            self._deliver(shown, message)
-        return True
 
     def _take(self, payload: bytes, message: Optional[Message] = None) -> None:
         response = _parse(payload)

@@ -11,7 +11,7 @@ import grpc
 import numpy
 import numpy.typing
 
-from tactus._answers import Answer, Event, Names, Notice, StreamInfo, answer_of, info_of
+from tactus._answers import Answer, Event, Names, Notice, StreamInfo, info_of
 from tactus._calibration import Calibration, Loads
 from tactus._errors import Error, FrameError
 from tactus._frames import FrameWriter, Message, check_frames_per_message
@@ -156,7 +156,8 @@ class StreamCore:
         # A server that breaks the contract may answer before the first frame.
         if names is None:
             return
-        answer = answer_of(shown, names, message)
+        answer: Answer = object.__new__(Answer)
+        answer.__dict__.update(_message=shown, _names=names, _request=message)
         if shown.events:
             self.events.extend(answer.events)
         if shown.is_final:
@@ -246,8 +247,14 @@ class Stream:
         the stream then goes on. Any other error has ended the stream.
         """
         core = self._core
-        for message in core.pack(frame, capture_time_ns, missing_before, pose):
-            self._link.send(message)
+        link = self._link
+        if core.loads is not None or link.state is State.ENDED:
+            messages = core.pack(frame, capture_time_ns, missing_before, pose)
+        else:
+            messages = core.writer.add(frame, capture_time_ns, missing_before, pose)
+            core.frames += 1
+        for message in messages:
+            link.send(message)
         answers = core.answers
         return [answers.popleft()] if len(answers) == 1 else core.take()
 
