@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import importlib.util
+import json
 import pathlib
 import pkgutil
 import re
@@ -16,7 +17,7 @@ import xml.etree.ElementTree
 import numpy
 
 import tactus
-from support import FOREARM, ROOT, Server, run, touch
+from support import BIN, FOREARM, ROOT, Server, run, touch
 
 
 def has(package):
@@ -174,6 +175,16 @@ class CodeTest(unittest.TestCase):
             tried += result.attempted
         self.assertEqual(doctest.testmod(tactus).failed, 0)
         self.assertGreater(tried, 10)
+
+    def test_the_benchmark_runs(self):
+        done = subprocess.run(
+            [sys.executable, ROOT / "client/python/benchmarks/frame_cost.py", BIN, "--rounds=2",
+             "--frames=100", "--json"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        figures = json.loads(done.stdout)["us_per_frame"]
+        self.assertEqual(list(figures), ["plain stubs", "Client", "Client, 8 a message"])
+        for figure in figures.values():
+            self.assertGreater(figure["processor"]["mean"], 0)
 
     def test_calibrations_that_the_cpp_client_reads(self):
         files = sorted((ROOT / "tests/fuzz/corpus/calibration").glob("good*.json"))

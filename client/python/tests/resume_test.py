@@ -3,6 +3,7 @@
 import asyncio
 import os
 import random
+import signal
 import threading
 import time
 import unittest
@@ -14,12 +15,15 @@ SEED = int(os.environ.get("TACTUS_SEED", random.randrange(10**6)))
 
 
 class ResumeTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        print(f"TACTUS_SEED={SEED}", flush=True)
+
     def setUp(self):
         self.server = Server()
         self.addCleanup(self.server.stop)
         self.random = random.Random(SEED)
         self.restarts = []
-        print(f"TACTUS_SEED={SEED}", flush=True)
         self.frames = touch(150, start=20)
         with tactus.Client(self.server.address) as client, client.stream(FOREARM) as stream:
             self.expected = [a for frame in self.frames for a in stream.push(frame)]
@@ -130,6 +134,37 @@ class ResumeTest(unittest.TestCase):
             with self.assertRaises(tactus.Error) as caught:
                 stream.push(self.frames[1])
             self.assertEqual(caught.exception.code, "UNAVAILABLE")
+
+    def test_a_server_that_hangs(self):
+        with tactus.Client(self.server.address, answer_timeout=0.5) as client, \
+                client.stream(FOREARM) as stream:
+            answers = [a for frame in self.frames[:50] for a in stream.push(frame)]
+            self.server.process.send_signal(signal.SIGSTOP)
+            threading.Timer(1.0, self.server.process.send_signal, (signal.SIGCONT,)).start()
+            for frame in self.frames[50:]:
+                answers += stream.push(frame)
+            final = stream.end_trial()
+            answers += stream.poll() + [final]
+            self.assertGreaterEqual(stream.statistics.resumed, 1)
+        self.assertEqual(repr(answers[-1].contacts), repr(self.expected[-1].contacts))
+        self.assertEqual([e for a in answers for e in a.events],
+                         [e for a in self.expected for e in a.events])
+
+    def test_ctrl_c_ends_a_wait(self):
+        with tactus.Client(self.server.address) as client:
+            self.server.process.send_signal(signal.SIGSTOP)
+            self.addCleanup(self.server.process.send_signal, signal.SIGCONT)
+            threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+            with self.assertRaises(KeyboardInterrupt):
+                client.open(FOREARM)
+            self.server.process.send_signal(signal.SIGCONT)
+            stream = client.open(FOREARM)
+            stream.push(self.frames[0])
+            self.server.process.send_signal(signal.SIGSTOP)
+            threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+            with self.assertRaises(KeyboardInterrupt), stream:
+                stream.push(self.frames[1])
+            self.assertTrue(stream.ended)
 
     def test_what_is_kept_has_a_bound(self):
         with tactus.Client(self.server.address, replay_bytes=256 * 1024) as client, \

@@ -161,6 +161,21 @@ class StreamTest(unittest.TestCase):
         with self.assertRaises(AttributeError):
             final.main.nothing
 
+    def test_a_grpc_without_the_layer_of_direct_calls(self):
+        from unittest import mock
+
+        from tactus import _call
+
+        def changed(*_):
+            raise TypeError("segregated_call() takes another argument")
+
+        for how in (mock.patch.object(_call, "cygrpc", None),
+                    mock.patch.object(_call.DirectCall, "__init__", changed)):
+            with how:
+                answers, final = self.stream_touch(20)
+            self.assertEqual(len(answers), 20)
+            self.assertTrue(final.is_final)
+
     def test_notice_of_another_rate(self):
         with self.client().stream(FOREARM) as stream:
             for t, frame in enumerate(touch(300)):

@@ -169,10 +169,14 @@ class DirectCall(Call):
             self._over = True
             return None
         self._open += 1
-        event = self._next_event()
-        while event.tag != _BOTH:
-            self._take(event)
+        try:
             event = self._next_event()
+            while event.tag != _BOTH:
+                self._take(event)
+                event = self._next_event()
+        except BaseException:
+            self._destroyed()
+            raise
         self._open -= 1
         response: Optional[bytes] = event.batch_operations[1].message()
         if response is None:
@@ -215,7 +219,18 @@ class DirectCall(Call):
             self._open += 1
 
     def _pump(self) -> None:
-        self._take(self._next_event())
+        try:
+            event = self._next_event()
+        except BaseException:
+            self._destroyed()
+            raise
+        self._take(event)
+
+    def _destroyed(self) -> None:
+        """Ctrl-C ends a wait, and grpc destroys the call then."""
+        self._over = True
+        self._open = 0
+        self._outcome = Outcome(_CANCELLED, "the wait for the server was interrupted", b"")
 
     def _take(self, event: Any) -> None:
         tag = event.tag
@@ -250,7 +265,10 @@ def has_direct_calls(channel: grpc.Channel) -> bool:
 def open_call(channel: grpc.Channel, metadata: Metadata, first: bytes, *,
               wait_for_ready: bool, direct: Optional[bool] = None) -> Call:
     """Begins a call with its first message."""
-    if direct is None:
-        direct = has_direct_calls(channel)
-    kind = DirectCall if direct else PlainCall
-    return kind(channel, metadata, first, wait_for_ready)
+    if direct or (direct is None and has_direct_calls(channel)):
+        try:
+            return DirectCall(channel, metadata, first, wait_for_ready)
+        except (AttributeError, TypeError):
+            if direct:
+                raise
+    return PlainCall(channel, metadata, first, wait_for_ready)
