@@ -4,7 +4,8 @@
 #   tests/run.sh               installs what is missing, checks format and scripts,
 #                              builds the release preset, runs the quick tests
 #   tests/run.sh --full        the long tests and research/ too, trains the
-#                              default bundle again, and --install
+#                              default bundle again, classifies in Python without
+#                              a server, and --install
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
 #                              too (tsan: those of code that has threads)
 #   tests/run.sh --install     every way to install, from minimal roots
@@ -100,6 +101,10 @@ step "scripts" check_scripts
 build_and_test release "${release_tests[@]}"
 if [[ $full == yes ]]; then
   step "default bundle comes out again" deploy/train-default-bundle.sh --check
+  step "python: configure" cmake --preset python
+  step "python: build" cmake --build --preset python
+  step "python: test" env TACTUS_PYTHON_NATIVE=yes \
+    client/python/tests/run.sh build/release/bin classifier_test
 fi
 # 77: it has said what it lacks.
 unless_lacking() { "$@" || [[ $? -eq 77 ]]; }

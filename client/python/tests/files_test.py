@@ -208,6 +208,41 @@ class CodeTest(unittest.TestCase):
                 capture_output=True, text=True, cwd=cache)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
+    @unittest.skipUnless(shutil.which("mypy"), "needs mypy")
+    def test_types_as_a_program_sees_them(self):
+        program = """
+from typing import Optional
+import numpy as np
+import tactus
+
+def feel(client: tactus.Client, skin: tactus.Skin) -> Optional[float]:
+    with client.stream(skin, model="arm") as stream:
+        for answer in stream.push(np.zeros((2, 2), np.uint16)):
+            if answer.main is not None:
+                return answer.main.classes["HU"]
+    return None
+
+async def feel_too(client: tactus.Client, skin: tactus.Skin) -> str:
+    async with client.stream(skin) as stream:
+        async for answer in stream.push(np.zeros((2, 2), np.uint16)):
+            print(answer.sequence + 1)
+        return (await stream.end_trial()).skin.name
+
+def train(client: tactus.Client) -> str:
+    return client.train("arm@1", "arm").wait().model_version
+"""
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "program.py")
+            wrong = pathlib.Path(folder, "wrong.py")
+            path.write_text(program)
+            wrong.write_text(program.replace("answer.main.classes", "answer.main.nothing"))
+            for file, code in ((path, 0), (wrong, 1)):
+                done = subprocess.run(
+                    ["mypy", "--strict", f"--cache-dir={folder}/cache",
+                     f"--python-executable={sys.executable}", file],
+                    capture_output=True, text=True, cwd=folder)
+                self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -4,6 +4,7 @@
 #
 #   client/python/tests/run.sh build/release/bin              all tests
 #   client/python/tests/run.sh build/release/bin stream_test  those of a file
+#   TACTUS_PYTHON_NATIVE=yes client/python/tests/run.sh ...   of build.sh --native
 set -euo pipefail
 TACTUS_BIN=$(realpath "$1")
 export TACTUS_BIN
@@ -13,7 +14,7 @@ tests=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-"$tests/../build.sh" "$work/dist" >/dev/null
+"$tests/../build.sh" ${TACTUS_PYTHON_NATIVE:+--native} "$work/dist" >/dev/null
 # The environment has Debian's numpy and grpcio, and nothing else of ours.
 "$python" -m venv --system-site-packages "$work/venv"
 "$work/venv/bin/python" -m pip --quiet install --no-index --no-deps \
