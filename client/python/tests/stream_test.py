@@ -94,6 +94,15 @@ class StreamTest(unittest.TestCase):
 
         self.assertEqual(repr(asyncio.run(stream_all())), repr(answers + [final]))
 
+        async def stream_many():
+            async with self.client().stream(FOREARM) as stream:
+                got = await stream.push_many(touch(100))
+                return got, await stream.end_trial()
+
+        many, other = asyncio.run(stream_many())
+        self.assertEqual(repr(other), repr(final))
+        self.assertEqual(many[-1].sequence, 100)
+
     def test_several_skins_in_one_loop(self):
         async def one(client, taxels):
             async with client.stream(FOREARM, client_id=f"skin-{taxels[0]}") as stream:

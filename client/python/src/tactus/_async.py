@@ -30,9 +30,14 @@ class Answers:
         return self
 
     async def __anext__(self) -> Answer:
-        answers = self._stream._core.answers
+        stream = self._stream
+        answers = stream._core.answers
         while not answers:
-            if not await self._stream._more(self._due):
+            if stream._backlog:
+                await stream._drain()
+                if stream._waits:
+                    self._due = stream._link.last_due
+            if not await stream._more(self._due):
                 raise StopAsyncIteration
         return answers.popleft()
 
@@ -97,6 +102,13 @@ class AsyncStream:
         """As :meth:`tactus.Stream.push`. The frame is sent at once; iterating
         waits for its answer, if one is due and the connection stands."""
         self._backlog.extend(self._core.pack(frame, capture_time_ns, missing_before, pose))
+        self._offer()
+        return Answers(self, self._link.last_due if self._waits else 0)
+
+    def push_many(self, frames: "numpy.typing.NDArray[Any]", *,
+                  poses: Optional["numpy.typing.NDArray[Any]"] = None) -> Answers:
+        """As :meth:`tactus.Stream.push_many`."""
+        self._backlog.extend(self._core.pack_many(frames, poses))
         self._offer()
         return Answers(self, self._link.last_due if self._waits else 0)
 
@@ -179,9 +191,6 @@ class AsyncStream:
     async def _more(self, due: int) -> bool:
         """Waits for an answer; False if the one to frame ``due`` has come, or
         does not come soon."""
-        if self._backlog:
-            await self._drain()
-
         def arrived() -> bool:
             return bool(self._core.answers) or self._link.history.delivered >= due or (
                 self._link.state is not State.CONNECTED)
