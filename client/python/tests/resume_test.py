@@ -25,8 +25,20 @@ class ResumeTest(unittest.TestCase):
         self.random = random.Random(SEED)
         self.restarts = []
         self.frames = touch(150, start=20)
-        with tactus.Client(self.server.address) as client, client.stream(FOREARM) as stream:
-            self.expected = [a for frame in self.frames for a in stream.push(frame)]
+        # The touch is let go in between, and the arm moves.
+        self.frames[70:110] = 0
+        self.expect(FOREARM)
+
+    def pose(self, t):
+        return (0, 0, 1e-4 * t, 0, 0, 0, 1) if self.skin.with_poses else None
+
+    def expect(self, skin, **options):
+        """What one unbroken stream answers."""
+        self.skin = skin
+        with tactus.Client(self.server.address) as client, \
+                client.stream(skin, **options) as stream:
+            self.expected = [a for t, frame in enumerate(self.frames)
+                             for a in stream.push(frame, pose=self.pose(t))]
             self.expected.append(stream.end_trial())
 
     def kill_sometimes(self, t, at):
@@ -43,10 +55,11 @@ class ResumeTest(unittest.TestCase):
         while not holds():
             time.sleep(0.01)
 
-    def check(self, answers, resumed):
+    def check(self, answers, resumed, events_alone=False):
         self.assertEqual(resumed, 2)
         shown = [a for a in answers if a.superseded == 0]
-        self.assertGreater(len(shown), 100)
+        if not events_alone:
+            self.assertGreater(len(shown), len(self.expected) // 2)
         self.assertEqual(len({a.sequence for a in answers if not a.is_final}),
                          len([a for a in answers if not a.is_final]), "an answer came twice")
         expected = {(a.sequence, a.is_final): repr(a) for a in self.expected}
@@ -61,10 +74,10 @@ class ResumeTest(unittest.TestCase):
         direct = options.pop("direct", None)
         answers = []
         with tactus.Client(self.server.address, direct=direct) as client, client.stream(
-                FOREARM, **options) as stream:
+                self.skin, **options) as stream:
             for t, frame in enumerate(self.frames):
                 self.kill_sometimes(t, kills)
-                answers += stream.push(frame)
+                answers += stream.push(frame, pose=self.pose(t))
                 # As a robot, which reads its skin while the stream is lost.
                 while stream.resuming and self.random.random() < 0.95:
                     time.sleep(0.01)
@@ -73,7 +86,7 @@ class ResumeTest(unittest.TestCase):
             final = stream.end_trial()
             answers += stream.poll() + [final]
             resumed = stream.statistics.resumed
-        self.check(answers, resumed)
+        self.check(answers, resumed, options.get("cadence") == "events")
 
     def test_in_lockstep(self):
         self.stream()
@@ -86,6 +99,23 @@ class ResumeTest(unittest.TestCase):
 
     def test_in_messages_of_eight_frames(self):
         self.stream(frames_per_message=8)
+
+    def test_with_poses(self):
+        self.expect(FOREARM.replace(with_poses=True))
+        self.stream()
+
+    def test_each_third_answer(self):
+        self.expect(FOREARM, interval_frames=3)
+        self.stream(interval_frames=3)
+
+    def test_with_light_touch(self):
+        light = tactus.LightTouch(0.1, 3, 3, 0.0004, 0.00056)
+        self.expect(FOREARM.replace(light_touch=light))
+        self.stream()
+
+    def test_events_alone(self):
+        self.expect(FOREARM)
+        self.stream(cadence="events")
 
     def test_async(self):
         kills = [self.random.randrange(5, 145), 150]
@@ -170,16 +200,16 @@ class ResumeTest(unittest.TestCase):
         with tactus.Client(self.server.address, replay_bytes=256 * 1024) as client, \
                 client.stream(FOREARM) as stream:
             for _ in range(600):
-                stream.push(self.frames[100])
+                stream.push(self.frames[140])
             history = stream._link.history
             self.assertLessEqual(history.bytes, 256 * 1024)
             self.server.kill()
             threading.Timer(0.2, self.server.start).start()
             for _ in range(30):
-                stream.push(self.frames[100])
+                stream.push(self.frames[140])
             while stream.resuming:
                 time.sleep(0.01)
-            stream.push(self.frames[100])
+            stream.push(self.frames[140])
             final = stream.end_trial()
             self.assertEqual(stream.statistics.without_beginning, 1)
             self.assertEqual(final.main.id, 2)

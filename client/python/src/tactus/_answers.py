@@ -319,7 +319,9 @@ def answer_of(message: Any, names: Names, request: Optional[Message] = None) -> 
 def contact_of(message: Any, names: Names) -> Contact:
     """A Contact that reads a ``tactus.v1.Contact`` when asked."""
     contact: Contact = object.__new__(Contact)
-    contact.__dict__.update(_message=message, _names=names)
+    values = contact.__dict__
+    values["_message"] = message
+    values["_names"] = names
     return contact
 
 

@@ -157,7 +157,10 @@ class StreamCore:
         if names is None:
             return
         answer: Answer = object.__new__(Answer)
-        answer.__dict__.update(_message=shown, _names=names, _request=message)
+        values = answer.__dict__
+        values["_message"] = shown
+        values["_names"] = names
+        values["_request"] = message
         if shown.events:
             self.events.extend(answer.events)
         if shown.is_final:
