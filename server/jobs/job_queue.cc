@@ -251,7 +251,14 @@ void JobQueue::Run(const Job& job, bool training) {
   if (HasEnded(*operation)) return RemoveFolder(name);
   spdlog::info("{}: attempt {}", name, operation->attempts());
   Operation done = *operation;
-  const absl::Status status = RunProcess(*job.lock, done);
+  absl::Status status = RunProcess(*job.lock, done);
+  // A job has no part in it if the catalogue is away. It goes on when that is
+  // back, from its checkpoints.
+  while (ReasonOf(status) == "CATALOG_UNAVAILABLE" && !stopping_) {
+    Rest(training, name, status);
+    done = *operation;
+    status = RunProcess(*job.lock, done);
+  }
   if (!IsOwn(job)) {
     spdlog::warn("{}: another server goes on with it", name);
     return;
