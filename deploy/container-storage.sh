@@ -1,5 +1,5 @@
-# Sourced by deploy/check-image.sh and tests/install/run.sh: containers without
-# an engine, in a storage of their own below $work.
+# Sourced by deploy/check-image.sh and the scripts of tests/install: containers
+# without an engine, in a storage of their own below $work.
 # shellcheck shell=bash
 
 say() { printf '\n== %s\n' "$*"; }
@@ -85,11 +85,20 @@ wait_for() {
   return 1
 }
 
-# stream ADDRESS: streams simulated contacts, each of which must be answered.
+# exec_start FILE: the words of a unit's ExecStart, one per line.
+exec_start() {
+  sed -e ':a' -e '/\\$/{N;s/\\\n//;ba}' "$1" | sed -n 's/^ExecStart=//p' |
+    xargs -n 1
+}
+
+# stream ADDRESS [COMMAND...]: streams simulated contacts, each of which must be
+# answered, by a tactus-stream that COMMAND runs; without it, by this build's.
 stream() {
-  local trials=16
-  "${enter[@]}" build/release/bin/tactus-stream --server="$1" --driver=sim \
-    --trials="$trials" --rate=max --json >"$work/stream.json" || {
+  local trials=16 command=("${@:2}")
+  [[ ${#command[@]} -gt 0 ]] ||
+    command=("${enter[@]}" build/release/bin/tactus-stream)
+  "${command[@]}" --server="$1" --driver=sim --trials="$trials" --rate=max \
+    --json >"$work/stream.json" || {
     cat "$work/stream.json" >&2
     die "tactus-stream ended with an error"
   }

@@ -10,6 +10,7 @@
 #   deploy/install-deps.sh --page     to build the console's page
 #   deploy/install-deps.sh --python   to build and use the Python package
 #   deploy/install-deps.sh --image    to run deploy/check-image.sh
+#   deploy/install-deps.sh --packages to run deploy/packages.sh
 #   deploy/install-deps.sh --list     (with any of these) only prints the names
 #
 # Runs as root, or as a user who may use sudo. Does nothing, and does not use the
@@ -100,6 +101,16 @@ readonly PYTHON=(
   python3-venv
   python3-wheel
 )
+# Debian packages with all that the programs can do: ROS 1's bags, and trainings
+# by several processes.
+readonly PACKAGES=(
+  debhelper
+  dpkg-dev
+  help2man
+  libopenmpi-dev
+  librosbag-storage-dev
+  lintian
+)
 # The tests, the benchmarks, and the independent references of both.
 readonly TESTS=(
   ccache
@@ -153,6 +164,7 @@ for arg in "$@"; do
     --page) packages=("${PAGE[@]}") ;;
     --python) packages=("${PYTHON[@]}") ;;
     --image) packages=("${IMAGE[@]}") ;;
+    --packages) packages+=("${PACKAGES[@]}") ;;
     --list) list_only=yes ;;
     -h | --help) usage; exit 0 ;;
     *) echo "install-deps: unknown option '$arg'" >&2; usage >&2; exit 2 ;;

@@ -9,7 +9,7 @@
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
 #                              too (tsan: those of code that has threads)
 #   tests/run.sh --install     every way to install, from minimal roots
-#                              (tests/install/run.sh)
+#                              (tests/install)
 #   tests/run.sh --vm          the CAN and USB drivers on a real kernel too, in
 #                              a guest of QEMU (tests/vm/run.sh)
 #
@@ -110,6 +110,7 @@ fi
 unless_lacking() { "$@" || [[ $? -eq 77 ]]; }
 if [[ $install == yes ]]; then
   step "image and other installations" unless_lacking tests/install/run.sh
+  step "Debian packages" unless_lacking tests/install/packages.sh
 fi
 if [[ $vm == yes ]]; then
   step "guest" unless_lacking tests/vm/run.sh --build=build/release

@@ -96,22 +96,18 @@ for service in tactusd tactusd-proxy tactus-console; do
     "/etc/systemd/system/$service.service"
 done
 
-# exec_start SERVICE: the words of the unit's ExecStart, one per line.
-exec_start() {
-  in_unit cat "/etc/systemd/system/$1.service" |
-    sed -e ':a' -e '/\\$/{N;s/\\\n//;ba}' | sed -n 's/^ExecStart=//p' | xargs -n 1
-}
+words_of() { exec_start "$unit_root/etc/systemd/system/$1.service"; }
 # As the units' StateDirectory= and RuntimeDirectory=, and a user without rights.
 install -d -o 10001 -g 10001 -m 700 "$unit_root"/{var/lib,run}/tactus
 as_user() { run_in --user 10001:10001 "$unit" -- "$@"; }
 enter_network
-mapfile -t words < <(exec_start tactusd)
+mapfile -t words < <(words_of tactusd)
 as_user "${words[@]}" &
 runners+=("$!")
 wait_for "$!" as_user tactusd --health-check=127.0.0.1:50052 ||
   die "the unit's tactusd does not serve"
 # Without -Ws, which reports to systemd.
-mapfile -t words < <(exec_start tactusd-proxy | grep -vx -- -Ws)
+mapfile -t words < <(words_of tactusd-proxy | grep -vx -- -Ws)
 as_user env TACTUS_BIND=127.0.0.1 "${words[@]}" &
 runners+=("$!")
 wait_for "$!" as_user tactusd --health-check=127.0.0.1:50051 ||
@@ -121,7 +117,7 @@ as_user trainctl models list --server=unix:/run/tactus/tactusd.sock
 ! as_user trainctl models list --server=127.0.0.1:50051 ||
   die "a stranger may list models through the proxy"
 
-mapfile -t words < <(exec_start tactus-console)
+mapfile -t words < <(words_of tactus-console)
 as_user "${words[@]}" &
 runners+=("$!")
 wait_for "$!" ask_console / as_user || die "the unit's console does not serve"
