@@ -9,14 +9,14 @@
 #   tactus-console   the console, started by systemd
 #   libtactus-dev    headers, libraries and protos for a robot's program
 #
-#   --version=VERSION  of the packages. Without it, that of CMakeLists.txt; if the
-#                      commit is not tagged as this release, its time is added,
-#                      so that newer packages have higher versions
+#   --version=VERSION  of the packages. Without it, that of CMakeLists.txt; if
+#                      the commit is not tagged as this release, its time is
+#                      added, so that newer packages have higher versions
 #   --out=FOLDER       instead of dist/
 #
 # Installs what is missing (install-deps.sh --packages), compiles in
-# build/packages, and ends with lintian, whose errors are errors. On two cores it
-# takes half an hour; less where ccache has what was compiled before.
+# build/packages, and ends with lintian, whose errors are errors. On two cores
+# it takes half an hour; less where ccache has what was compiled before.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 die() { echo "packages: $*" >&2; exit 1; }

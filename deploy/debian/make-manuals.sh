@@ -16,8 +16,10 @@ page() {
 programs=$1 out=$2
 page tactusd 8 "server that tells a robot what its skin touches"
 page tactus-worker 8 "runs trainings and evaluations of Tactus servers"
+# It has no --version.
+version=$("$programs/tactusd" --version)
 page tactus-trainer 8 "runs one job of tactusd, which starts it" \
-  --version-string="$("$programs/tactusd" --version)"
+  --version-string="tactus-trainer ${version#* }"
 if [ -e "$programs/tactus-trainer-mpi" ]; then
   # One rank of the same job.
   echo ".so man8/tactus-trainer.8" >"$out/tactus-trainer-mpi.8"
