@@ -66,7 +66,7 @@ sed -i "s/@BUILD@/$needed/" "$stage/tactus/debian/control"
 
 # Packages of one version only, so that `apt install dist/*.deb` has no choice.
 mkdir -p "$out"
-rm -f "$out"/{tactus-*,libtactus-*}_*.deb
+rm -f "$out"/*tactus*_*.deb
 printf '\n== lintian\n'
 as_root=()
 [[ $(id -u) -ne 0 ]] || as_root=(--allow-root)

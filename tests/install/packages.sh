@@ -5,11 +5,11 @@
 #   2. libtactus-dev, where nothing else is: the examples are built against it;
 #   3. tactus-server, tactus-tools and tactus-console are installed; what their
 #      units say is started, contacts streamed through the proxy, trials stored;
-#   4. a newer version comes, the packages are removed, and installed again: each
-#      time the trials are still served;
+#   4. a newer version comes, the packages are removed, and installed again:
+#      each time the trials are still served;
 #   5. the packages are purged, without a question: nothing is left.
 #
-#   tests/install/packages.sh    as root
+#   tests/install/packages.sh    as root; six minutes after a build
 #
 # Exits with 77 if it is not run by root, or where root may not mount.
 set -euo pipefail
@@ -47,7 +47,8 @@ sed -n '/^== lintian/,$p' "$work/build.log"
 done_step "built, no errors of lintian"
 newer=9.$(dpkg-deb --field dist/tactus-server_*.deb Version)
 deploy/packages.sh --version="$newer" --out="$work/newer" \
-  >"$work/build.log" 2>&1 || { cat "$work/build.log" >&2; die "no version $newer"; }
+  >"$work/build.log" 2>&1 ||
+  { cat "$work/build.log" >&2; die "no version $newer"; }
 done_step "built as version $newer"
 
 say "roots of Debian 12"
@@ -55,14 +56,15 @@ make_base tactus-packages-base
 # new_root: a container with the packages in /packages and /newer.
 new_root() {
   local container
-  container=$(in_storage from --pull-never --ulimit "$FILES" tactus-packages-base)
+  container=$(
+    in_storage from --pull-never --ulimit "$FILES" tactus-packages-base)
   cp -r dist "$(in_storage mount "$container")/packages"
   cp -r "$work/newer" "$(in_storage mount "$container")/newer"
   run_in "$container" -- apt-get -qq update
   echo "$container"
 }
-# quietly COMMAND...: shows what it says only if it fails. It has no input and no
-# terminal, so a question would end it.
+# quietly COMMAND...: shows what it says only if it fails. It has no input, so a
+# question would end it.
 quietly() {
   "$@" </dev/null >"$work/quiet.log" 2>&1 ||
     { cat "$work/quiet.log" >&2; die "failed: $*"; }
@@ -104,6 +106,8 @@ user=$(id_of passwd)
   die "/var/lib/tactus is not that of the user alone"
 units=(tactusd tactusd-proxy tactus-console)
 wanted=$root/etc/systemd/system/multi-user.target.wants
+grep -qx User=tactus "$root/lib/systemd/system/tactusd.service" ||
+  die "tactusd is not the user tactus"
 for unit in "${units[@]}"; do
   [[ -L $wanted/$unit.service ]] || die "$unit is not enabled"
   in_server systemd-analyze verify --man=no "/lib/systemd/system/$unit.service"
@@ -112,7 +116,7 @@ for program in tactusd tactus-worker trainctl tactus-stream tactus-load \
   tactus-fakeskin tactus-console; do
   quietly in_server "$program" --help
 done
-done_step "installed: the user, its folder, three enabled units, all programs run"
+done_step "installed: a user with a folder, three enabled units, all programs run"
 
 enter_network
 as() { run_in --user "$1" "$server" -- "${@:2}"; }
