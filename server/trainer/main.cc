@@ -14,11 +14,8 @@
 namespace tactus::internal::server {
 namespace {
 
-// True if mpirun, or srun with PMIx, has started this process.
-bool IsRank() {
-  return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr ||
-         std::getenv("PMIX_RANK") != nullptr;
-}
+// True if mpirun has started this process.
+bool IsRank() { return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr; }
 
 // Becomes the program that knows MPI, so that this one needs none.
 int RunAsRank(char** argv) {

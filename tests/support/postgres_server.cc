@@ -82,7 +82,7 @@ int PostgresServer::Run(std::vector<std::string> words) const {
 void PostgresServer::Start() {
   server_ = Run({"postgres", "-D", (folder_ / "data").string()});
   const std::string socket = folder_;
-  for (int i = 0; i < 600; ++i) {
+  for (int i = 0; i < 2'400; ++i) {
     if (Run({"pg_isready", "-q", "-h", socket, "-U", "tactus"}) == 0) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
