@@ -9,7 +9,7 @@
 #      each time the trials are still served;
 #   5. the packages are purged, without a question: nothing is left.
 #
-#   tests/install/packages.sh    as root; six minutes after a build
+#   tests/install/packages.sh    as root; six to ten minutes after a build
 #
 # Exits with 77 if it is not run by root, or where root may not mount.
 set -euo pipefail
