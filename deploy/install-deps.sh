@@ -30,6 +30,7 @@ readonly BUILD=(
   libhdf5-dev
   libhwy-dev
   libisal-dev
+  liblz4-dev
   libnghttp2-dev
   libopencv-core-dev
   libopencv-imgproc-dev
@@ -40,6 +41,7 @@ readonly BUILD=(
   libsqlitecpp-dev
   libssl-dev
   libusb-1.0-0-dev
+  libzstd-dev
   ninja-build
   nlohmann-json3-dev
   pkgconf
@@ -55,6 +57,7 @@ readonly RUNTIME=(
   libhdf5-103-1
   libhwy1
   libisal2
+  liblz4-1
   libnghttp2-14
   libopencv-core406
   libopencv-imgproc406
@@ -65,6 +68,7 @@ readonly RUNTIME=(
   libsqlite3-0
   libssl3
   libusb-1.0-0
+  libzstd1
   zlib1g
 )
 # The proxy before tactusd (deploy/haproxy.cfg).

@@ -46,6 +46,7 @@
 #include "core/files/hdf5_handle.h"
 #include "core/files/hdf5_probe.h"
 #include "core/files/hdf5_read.h"
+#include "core/files/mcap/compression.h"
 #include "core/files/mcap/mcap_reader.h"
 #include "core/files/mcap/mcap_records.h"
 #include "core/files/mcap/mcap_writer.h"
@@ -231,6 +232,12 @@ static void RateWatchExample(int64_t capture_time_ns) {
 
 static absl::Status RosBagExample() {
 #include "core/import/ros_bag.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status CompressionExample(const std::string& path,
+                                       absl::string_view bytes, uint64_t size) {
+#include "core/files/mcap/compression.h.inc"
   return absl::OkStatus();
 }
 

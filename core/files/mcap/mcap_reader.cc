@@ -12,6 +12,7 @@
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
+#include "core/files/mcap/compression.h"
 
 namespace tactus::internal {
 namespace {
@@ -111,6 +112,9 @@ absl::StatusOr<McapRead> McapReader::ReadRecord(bool* found) {
   const bool in_data = !in_summary_;
   if (in_data) {
     switch (opcode) {
+      case McapOpcode::kHeader:
+        TACTUS_RETURN_IF_ERROR(TakeHeader());
+        break;
       case McapOpcode::kSchema:
         TACTUS_RETURN_IF_ERROR(TakeSchema(content_));
         break;
@@ -197,22 +201,35 @@ absl::Status McapReader::SkipContent(uint64_t length) {
   return absl::OkStatus();
 }
 
+absl::Status McapReader::TakeHeader() {
+  McapCursor cursor(content_);
+  profile_ = std::string(cursor.Text());
+  return cursor.good() ? absl::OkStatus()
+                       : Invalid("is a header without its parts");
+}
+
 absl::Status McapReader::OpenChunk() {
   McapCursor cursor(content_);
   cursor.Take(2 * sizeof(uint64_t));
   const auto size = cursor.Number<uint64_t>();
   const auto crc = cursor.Number<uint32_t>();
   const absl::string_view compression = cursor.Text();
-  const absl::string_view records = cursor.Take(cursor.Number<uint64_t>());
+  absl::string_view records = cursor.Take(cursor.Number<uint64_t>());
   if (!cursor.good()) return Invalid("is a chunk that ends too early");
-  if (!compression.empty()) {
-    return Invalid(absl::StrCat(
-        "is a chunk compressed with ", Quoted(compression),
-        "; only chunks without compression are read (mcap decompress)"));
-  }
-  if (size != records.size()) {
+  if (compression.empty() && size != records.size()) {
     return Invalid(absl::StrCat("is a chunk that states ", size,
                                 " bytes of records but has ", records.size()));
+  }
+  if (!compression.empty()) {
+    if (size > limits::kMaxMcapRecordBytes) {
+      return Invalid(absl::StrCat("is a chunk of ", size,
+                                  " bytes; the limit is ",
+                                  limits::kMaxMcapRecordBytes));
+    }
+    const std::string fault = Decompress(compression, records, size, &records_);
+    if (!fault.empty()) return Invalid(absl::StrCat("is a chunk that ", fault));
+    compressions_.insert(std::string(compression));
+    records = records_;
   }
   if (crc != 0 && McapCrc(0, records) != crc) {
     return WrongChecksum("the chunk at", McapCrc(0, records), crc);

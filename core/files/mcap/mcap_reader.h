@@ -15,14 +15,15 @@
 //   reader->complete();  // false if the file was cut off
 //
 // Checksums of chunks and of the data are compared where the file has them. A
-// damaged summary, which is not needed, counts as cut off. Chunks must not be
-// compressed. Owns the file. Not thread-safe.
+// damaged summary, which is not needed, counts as cut off. Chunks may be
+// compressed with zstd or LZ4. Owns the file. Not thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <fstream>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "absl/status/status.h"
@@ -62,6 +63,14 @@ class McapReader {
   const McapMessage& message() const { return message_; }
   const McapMetadata& metadata() const { return metadata_; }
 
+  // What the file has named so far. The profile is that of its header: "ros2"
+  // for bags of ROS 2.
+  const std::string& profile() const { return profile_; }
+  const std::map<uint16_t, McapSchema>& schemas() const { return schemas_; }
+  const std::map<uint16_t, McapChannel>& channels() const { return channels_; }
+  // What the chunks so far were compressed with.
+  const std::set<std::string>& compressions() const { return compressions_; }
+
   // After kEnd: whether the file ends as it should, with a summary whose
   // checksum is right. If not, what is before `complete_bytes` was read.
   bool complete() const { return complete_; }
@@ -79,6 +88,7 @@ class McapReader {
   absl::Status ReadBytes(uint64_t count, std::string* out);
   absl::Status ReadContent(McapOpcode opcode, uint64_t length);
   absl::Status SkipContent(uint64_t length);
+  absl::Status TakeHeader();
   absl::Status OpenChunk();
   absl::Status TakeSchema(absl::string_view content);
   absl::Status TakeChannel(absl::string_view content);
@@ -111,8 +121,11 @@ class McapReader {
 
   std::string prefix_;
   std::string content_;
-  // What is left of the chunk in `content_`.
+  std::string profile_;
+  // What is left of the chunk in `content_`, or decompressed in `records_`.
   absl::string_view chunk_;
+  std::string records_;
+  std::set<std::string> compressions_;
   std::map<uint16_t, McapSchema> schemas_;
   std::map<uint16_t, McapChannel> channels_;
   size_t schema_bytes_ = 0;

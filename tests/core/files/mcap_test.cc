@@ -1,5 +1,8 @@
 // The MCAP container: what is written is read, whatever happens to the file.
 // tests/core/files/check_mcap.sh reads the same files with npm's @mcap/core.
+#include <lz4frame.h>
+#include <zstd.h>
+
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/random.h"
@@ -252,6 +255,59 @@ std::string McapRecord(McapOpcode opcode, absl::string_view content) {
   return absl::StrCat(record, content);
 }
 
+// Frames of the compressors themselves; a chunk that states another size than
+// they hold is refused, and so is one that is cut.
+TEST(McapTest, ReadsCompressedChunks) {
+  const ScratchDir folder;
+  std::string channel;
+  PutMcapNumber(uint16_t{1}, &channel);
+  PutMcapNumber(uint16_t{0}, &channel);
+  for (const char* text : {"/a", "cdr", ""}) PutMcapText(text, &channel);
+  std::string message;
+  PutMcapNumber(uint16_t{1}, &message);
+  PutMcapNumber(uint32_t{3}, &message);
+  PutMcapNumber(uint64_t{40}, &message);
+  PutMcapNumber(uint64_t{40}, &message);
+  message += std::string(5000, 'x');
+  const std::string records = McapRecord(McapOpcode::kChannel, channel) +
+                              McapRecord(McapOpcode::kMessage, message);
+  std::string zstd(ZSTD_compressBound(records.size()), '\0');
+  zstd.resize(ZSTD_compress(zstd.data(), zstd.size(), records.data(),
+                            records.size(), 1));
+  std::string lz4(LZ4F_compressFrameBound(records.size(), nullptr), '\0');
+  lz4.resize(LZ4F_compressFrame(lz4.data(), lz4.size(), records.data(),
+                                records.size(), nullptr));
+  std::string header;
+  PutMcapText("ros2", &header);
+  PutMcapText("", &header);
+  const std::string begin =
+      std::string(kMcapMagic) + McapRecord(McapOpcode::kHeader, header);
+  for (const auto& [name, bytes] :
+       {std::pair("zstd", zstd), std::pair("lz4", lz4)}) {
+    ASSERT_LT(bytes.size(), 1000U);
+    const auto file = [&](uint64_t size, const std::string& packed) {
+      WriteBytes(folder / "a",
+                 begin + McapRecord(McapOpcode::kChunk,
+                                    McapChunk(name, size, packed)));
+      return ReadMcap(folder / "a");
+    };
+    const McapContent content = file(records.size(), bytes);
+    EXPECT_TRUE(content.status.ok()) << content.status;
+    EXPECT_THAT(content.messages,
+                ElementsAre("/a 3 40 " + std::string(5000, 'x')));
+    EXPECT_FALSE(file(records.size() - 1, bytes).status.ok());
+    EXPECT_FALSE(file(records.size() + 1, bytes).status.ok());
+    for (size_t size = 0; size < bytes.size(); ++size) {
+      EXPECT_EQ(ReasonOf(file(records.size(), bytes.substr(0, size)).status),
+                "TRIAL_FILE_INVALID")
+          << name << " " << size;
+    }
+  }
+  const auto reader = *McapReader::Open(folder / "a");
+  EXPECT_FALSE(reader->Next().ok());
+  EXPECT_EQ(reader->profile(), "ros2");
+}
+
 TEST(McapTest, NamesEveryMistake) {
   const ScratchDir folder;
   std::string header;
@@ -269,7 +325,14 @@ TEST(McapTest, NamesEveryMistake) {
       {std::string(kMcapMagic) + McapRecord(McapOpcode::kMessage, message),
        "must be a header"},
       {begin + McapRecord(McapOpcode::kChunk, McapChunk("zstd", 5, "abcde")),
-       at + "is a chunk compressed with \"zstd\""},
+       at + "is a chunk that is compressed with zstd, and it is damaged or "
+            "not the stated 5 bytes"},
+      {begin + McapRecord(McapOpcode::kChunk, McapChunk("brotli", 5, "abcde")),
+       at + "is a chunk that is compressed with \"brotli\"; zstd and lz4 are "
+            "read"},
+      {begin + McapRecord(McapOpcode::kChunk,
+                          McapChunk("lz4", uint64_t{1} << 40, "abcde")),
+       at + "is a chunk of 1099511627776 bytes; the limit is 67108864"},
       {begin + McapRecord(McapOpcode::kChunk, McapChunk("", 6, "abcde")),
        at + "is a chunk that states 6 bytes of records but has 5"},
       {begin + McapRecord(McapOpcode::kChunk, "abc"),
