@@ -23,6 +23,7 @@
 #include "core/import/import_skin_folder.h"
 #include "core/import/odd_rates.h"
 #include "core/import/rate_check.h"
+#include "core/import/ros2/ros2_bag.h"
 #include "core/import/skin_file.h"
 
 namespace tactus::internal {
@@ -209,9 +210,45 @@ absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
 
 namespace {
 
+// A bag of ROS 2 as one trial, or a folder of bags.
+absl::StatusOr<size_t> ImportBags(const std::string& path, TrialSink sink,
+                                  const ImportOptions& options) {
+  ImportOptions with_skin = options;
+  if (with_skin.skin.empty()) with_skin.skin = options.mapping;
+  if (!options.table.empty() || !options.file_names.empty()) {
+    return ImportSkinFolder(path, with_skin, sink);
+  }
+  const fs::path inside = fs::path(path) / "skin.json";
+  std::error_code error;
+  if (with_skin.skin.empty() && fs::exists(inside, error)) {
+    with_skin.skin = inside;
+  }
+  if (with_skin.skin.empty()) {
+    return InvalidConfig(
+        "mapping of the import", "absent",
+        absl::StrCat("a skin.json that names a topic, because ", path,
+                     " is a bag of ROS 2; trainctl "
+                     "import ",
+                     path, " --list prints one to start from"));
+  }
+  fs::path bag(path);
+  // "run1/" has no name.
+  if (!bag.has_filename()) bag = bag.parent_path();
+  return ImportSkinFolder(bag.has_parent_path() ? bag.parent_path() : ".",
+                          with_skin, sink, bag.filename());
+}
+
 absl::StatusOr<size_t> ImportFrom(const std::string& path, TrialSink sink,
                                   const ImportOptions& options) {
   std::error_code error;
+  if (!options.mapping.empty() && !options.skin.empty()) {
+    return InvalidConfig("mapping of the import", options.mapping,
+                         "absent: a skin.json is given");
+  }
+  const bool in_folder = !options.table.empty() || !options.file_names.empty();
+  if (!options.mapping.empty() || (!in_folder && IsRos2Bag(path))) {
+    return ImportBags(path, sink, options);
+  }
   if (fs::is_directory(path, error)) {
     if (!options.skin.empty() || fs::exists(fs::path(path) / "skin.json")) {
       return ImportSkinFolder(path, options, sink);

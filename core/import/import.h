@@ -12,6 +12,8 @@
 //   - a trial file (.h5), for trials that get another skin;
 //   - a recording of tactus-stream (.mcap), whose contacts become trials
 //     (import_recording.h);
+//   - a bag of ROS 2, one trial (ros2/ros2_bag.h), or with a table or a pattern
+//     of file names a folder of bags;
 //   - a CSV file, one trial, header exactly `time,force,area,motion` (s, N or
 //     counts, m^2, m), before it optional lines `# key=value` with the keys
 //     source, label, condition, object, material, stiffness, velocity,
@@ -38,6 +40,8 @@ struct ImportOptions {
   // The skin.json of a folder that has none, or of a trial file; empty: the
   // folder's own.
   std::string skin = {};
+  // The same of a bag of ROS 2, or of a folder of bags: `dataset` is the topic.
+  std::string mapping = {};
   // The table of a folder; empty: as the skin.json says, beside it or in the
   // folder. Or of a recording's contacts.
   std::string table = {};

@@ -23,6 +23,8 @@
 #include "core/import/mistakes.h"
 #include "core/import/rate_check.h"
 #include "core/import/recorded_frames.h"
+#include "core/import/ros2/read_ros2_bag.h"
+#include "core/import/ros2/ros2_bag.h"
 #include "core/import/ros_bag.h"
 #include "core/import/skin_file.h"
 #include "core/import/trial_table.h"
@@ -183,7 +185,8 @@ class SkinFolder {
     const bool sliced = hash != std::string::npos &&
                         absl::SimpleAtoi(file.substr(hash + 1), &index);
     if (sliced) file.resize(hash);
-    for (const char* ending : {".npz:", ".h5:", ".hdf5:", ".bag:"}) {
+    for (const char* ending :
+         {".npz:", ".h5:", ".hdf5:", ".bag:", ".mcap:", ".db3:"}) {
       const size_t at = file.find(ending);
       if (at == std::string::npos) continue;
       const size_t colon = file.find(':', at);
@@ -197,15 +200,14 @@ class SkinFolder {
                           absl::StrCat("is ", Quoted(file),
                                        "; it must be a file in ", folder_));
     }
-    if (path.extension() == ".bag") {
+    const bool ros2 =
+        path.extension() == ".mcap" || IsRos2Bag(fs::path(folder_) / path);
+    if (ros2 || path.extension() == ".bag") {
       if (sliced || field != "frames") {
         return table_.Error(row, field,
                             "is a bag; a bag holds the frames of one trial");
       }
-      auto array =
-          ReadBag(fs::path(folder_) / path, {.frames = dataset,
-                                             .values = skin_.bag_values,
-                                             .pose = skin_.pose_topic});
+      auto array = ros2 ? ReadRos2(path, dataset) : ReadRos1(path, dataset);
       if (array.ok() || ReasonOf(array.status()) == "INVALID_CONFIG") {
         return array;
       }
@@ -239,6 +241,27 @@ class SkinFolder {
                        shape.size() < 2 ? 0 : shape.front(), " parts"));
     }
     return whole_.Slice(index);
+  }
+
+  absl::StatusOr<ArrayFile> ReadRos1(const fs::path& file,
+                                     const std::string& topic) const {
+    return ReadBag(fs::path(folder_) / file, {.frames = topic,
+                                              .values = skin_.bag_values,
+                                              .pose = skin_.pose_topic});
+  }
+
+  absl::StatusOr<ArrayFile> ReadRos2(const fs::path& file,
+                                     const std::string& topic) const {
+    if (topic.empty()) {
+      return TrialFileInvalid(file.string(),
+                              "needs a topic: \"dataset\" of the skin.json");
+    }
+    // The default is about bags of ROS 1.
+    const bool chosen = skin_.bag_values != SkinFile().bag_values;
+    return ReadRos2Bag(fs::path(folder_) / file,
+                       {.frames = topic,
+                        .values = chosen ? skin_.bag_values : "",
+                        .pose = skin_.pose_topic});
   }
 
   absl::StatusOr<RecordedFrames> ReadFrames(size_t row, double rate_hz) {
@@ -431,7 +454,8 @@ absl::Status TakeThresholds(const std::string& skin_path,
 
 absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
                                         const ImportOptions& options,
-                                        TrialSink sink) {
+                                        TrialSink sink,
+                                        const std::string& only) {
   const std::string skin_path = options.skin.empty()
                                     ? (fs::path(folder) / "skin.json").string()
                                     : options.skin;
@@ -449,17 +473,18 @@ absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
     TACTUS_ASSIGN_OR_RETURN(names, FileNamePattern::Parse(skin.file_names));
   }
   std::error_code no_table;
-  const bool from_names =
-      names && options.table.empty() && !fs::exists(table_path, no_table);
-  if (from_names) table_path = folder;
+  const bool from_names = only.empty() && names && options.table.empty() &&
+                          !fs::exists(table_path, no_table);
+  if (from_names || !only.empty()) table_path = folder;
   std::vector<std::string> left_out;
   TACTUS_ASSIGN_OR_RETURN(
       TrialTable table,
-      from_names ? TrialTable::FromNames(folder, *names, &left_out,
-                                         !options.label.empty())
-                 : TrialTable::Read(table_path, skin_path, skin.fields,
-                                    names ? &*names : nullptr,
-                                    !options.label.empty()));
+      !only.empty() ? TrialTable::OfOne(folder, only)
+      : from_names  ? TrialTable::FromNames(folder, *names, &left_out,
+                                            !options.label.empty())
+                    : TrialTable::Read(table_path, skin_path, skin.fields,
+                                      names ? &*names : nullptr,
+                                       !options.label.empty()));
   if (!left_out.empty() && options.remark) {
     options.remark(absl::StrCat(
         left_out.size(), " files are left out, because their names do not fit ",

@@ -21,9 +21,11 @@ namespace tactus::internal {
 // Every mistake is TRIAL_FILE_INVALID (or IO) with the file, the line of the
 // table, and the field. Nothing outside of `folder` is read but the files that
 // `options` names and the table beside its skin.json. If the thresholds come
-// from idle frames, all files are read twice.
+// from idle frames, all files are read twice. With `only`, the name of a file
+// or bag in the folder, that is the only trial, and there is no table.
 absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
                                         const ImportOptions& options,
-                                        TrialSink sink);
+                                        TrialSink sink,
+                                        const std::string& only = "");
 
 }  // namespace tactus::internal

@@ -24,7 +24,8 @@ constexpr size_t kMostNamedFiles = 1'000'000;
 // True if the name has an ending of files of frames.
 bool IsRecording(const std::string& file) {
   constexpr absl::string_view kEndings[] = {".csv", ".tsv", ".npy",  ".npz",
-                                            ".h5",  ".mat", ".hdf5", ".bag"};
+                                            ".h5",  ".mat", ".hdf5", ".bag",
+                                            ".db3", ".mcap"};
   return std::any_of(std::begin(kEndings), std::end(kEndings),
                      [&](const auto& ending) {
                        return absl::EndsWithIgnoreCase(file, ending);
@@ -103,6 +104,26 @@ absl::Status TrialTable::TakeNames(const FileNamePattern& names) {
   return mistakes.Status();
 }
 
+absl::StatusOr<TrialTable> TrialTable::OfFiles(
+    const std::string& folder, const std::vector<std::string>& files) {
+  std::string text = "frames\n";
+  for (const std::string& file : files) {
+    absl::StrAppend(&text, "\"", absl::StrReplaceAll(file, {{"\"", "\"\""}}),
+                    "\"\n");
+  }
+  TACTUS_ASSIGN_OR_RETURN(CsvTable csv, CsvTable::Parse(folder, text));
+  TrialTable table(std::move(csv));
+  table.path_ = folder;
+  table.from_names_ = true;
+  table.templates_["frames"] = "{frames}";
+  return table;
+}
+
+absl::StatusOr<TrialTable> TrialTable::OfOne(const std::string& folder,
+                                             const std::string& file) {
+  return OfFiles(folder, {file});
+}
+
 absl::StatusOr<TrialTable> TrialTable::FromNames(
     const std::string& folder, const FileNamePattern& names,
     std::vector<std::string>* left_out, bool is_labelled) {
@@ -134,16 +155,7 @@ absl::StatusOr<TrialTable> TrialTable::FromNames(
                          : absl::StrCat(", but ", Quoted(left_out->front()))));
   }
   std::sort(files.begin(), files.end());
-  std::string text = "frames\n";
-  for (const std::string& file : files) {
-    absl::StrAppend(&text, "\"", absl::StrReplaceAll(file, {{"\"", "\"\""}}),
-                    "\"\n");
-  }
-  TACTUS_ASSIGN_OR_RETURN(CsvTable csv, CsvTable::Parse(folder, text));
-  TrialTable table(std::move(csv));
-  table.path_ = folder;
-  table.from_names_ = true;
-  table.templates_["frames"] = "{frames}";
+  TACTUS_ASSIGN_OR_RETURN(TrialTable table, OfFiles(folder, files));
   TACTUS_RETURN_IF_ERROR(table.TakeNames(names));
   if (is_labelled || table.Has("label")) return table;
   return InvalidConfig("pattern of file names", "without {label}",

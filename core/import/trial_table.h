@@ -39,6 +39,9 @@ class TrialTable {
   static absl::StatusOr<TrialTable> FromNames(
       const std::string& folder, const FileNamePattern& names,
       std::vector<std::string>* left_out, bool is_labelled = false);
+  // A table of one file in `folder`, which has no other field.
+  static absl::StatusOr<TrialTable> OfOne(const std::string& folder,
+                                          const std::string& file);
 
   size_t rows() const { return csv_.rows(); }
   bool Has(const std::string& field) const {
@@ -57,6 +60,8 @@ class TrialTable {
  private:
   explicit TrialTable(CsvTable csv) : csv_(std::move(csv)) {}
 
+  static absl::StatusOr<TrialTable> OfFiles(
+      const std::string& folder, const std::vector<std::string>& files);
   absl::Status TakeNames(const FileNamePattern& names);
 
   CsvTable csv_;

@@ -69,6 +69,14 @@
 #include "core/import/rate_check.h"
 #include "core/import/recorded_frames.h"
 #include "core/import/rising_columns.h"
+#include "core/import/ros2/bag_files.h"
+#include "core/import/ros2/bag_summary.h"
+#include "core/import/ros2/cdr_reader.h"
+#include "core/import/ros2/read_ros2_bag.h"
+#include "core/import/ros2/ros2_bag.h"
+#include "core/import/ros2/ros2_built_in.h"
+#include "core/import/ros2/ros2_taxels.h"
+#include "core/import/ros2/ros2_type.h"
 #include "core/import/ros_bag.h"
 #include "core/import/ros_message.h"
 #include "core/import/skin_file.h"
@@ -232,6 +240,51 @@ static void RateWatchExample(int64_t capture_time_ns) {
 
 static absl::Status RosBagExample() {
 #include "core/import/ros_bag.h.inc"
+  return absl::OkStatus();
+}
+
+void Save(const std::string& text);
+void Use(const std::string& text, absl::string_view bytes);
+absl::Status Broken(absl::string_view fault);
+
+static absl::Status BagFilesExample() {
+#include "core/import/ros2/bag_files.h.inc"
+  (void)more;
+  return absl::OkStatus();
+}
+
+static absl::Status BagSummaryExample() {
+#include "core/import/ros2/bag_summary.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status CdrReaderExample(absl::string_view bytes) {
+#include "core/import/ros2/cdr_reader.h.inc"
+  (void)seconds;
+  return absl::OkStatus();
+}
+
+static absl::Status ReadRos2BagExample() {
+#include "core/import/ros2/read_ros2_bag.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status Ros2BagExample() {
+#include "core/import/ros2/ros2_bag.h.inc"
+  return absl::OkStatus();
+}
+
+static void BuiltInRos2TypeExample() {
+#include "core/import/ros2/ros2_built_in.h.inc"
+}
+
+static absl::Status Ros2TaxelsExample(const Ros2Message& message) {
+#include "core/import/ros2/ros2_taxels.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status Ros2TypeExample(absl::string_view bytes) {
+#include "core/import/ros2/ros2_type.h.inc"
   return absl::OkStatus();
 }
 

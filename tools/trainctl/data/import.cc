@@ -18,6 +18,7 @@
 #include "core/data/trial_loads.h"
 #include "core/skin/layout_json.h"
 #include "tools/trainctl/command.h"
+#include "tools/trainctl/data/bag_list.h"
 #include "tools/trainctl/data/resting_load.h"
 #include "tools/trainctl/progress_display.h"
 #include "tools/trainctl/text.h"
@@ -29,6 +30,7 @@ struct ImportFlags {
   std::string path;
   std::string out;
   ImportOptions options;
+  bool list = false;
   bool json = false;
 };
 
@@ -83,6 +85,7 @@ class Duplicates {
 };
 
 absl::Status RunImport(const ImportFlags& flags) {
+  if (flags.list) return ListBag(flags.path, flags.json);
   TACTUS_ASSIGN_OR_RETURN(
       auto writer, TrialFileWriter::Create(flags.out, {.overwrite = true}));
   ProgressDisplay display;
@@ -158,12 +161,19 @@ void AddImport(CLI::App& app, const SelectCommand& select) {
   CLI::App* command = &AddVerb(
       app, "import",
       "Read recordings: a folder with a skin.json (docs/your-own-skin.md), CSV "
-      "files of signals, a trial file, or a recording of tactus-stream",
+      "files of signals, a trial file, a recording of tactus-stream, or a bag "
+      "of ROS 2 (docs/your-own-skin.md, \"Bags of ROS 2\")",
       "import my_recordings --out=mine.h5");
   command->add_option("source", flags->path, "Folder or file")->required();
   command->add_option("--skin", flags->options.skin,
                       "skin.json of a folder that has none, or a new skin for "
                       "a trial file or a recording");
+  command->add_option("--mapping", flags->options.mapping,
+                      "skin.json of a bag of ROS 2, or of a folder of bags: "
+                      "which topic has the taxels, and what they are");
+  command->add_flag("--list", flags->list,
+                    "Print what a bag of ROS 2 holds and a mapping to start "
+                    "from; imports nothing");
   command->add_option("--table", flags->options.table,
                       "Table of the folder's trials, instead of the one that "
                       "skin.json names; or of a recording's contacts");
@@ -175,9 +185,12 @@ void AddImport(CLI::App& app, const SelectCommand& select) {
                       "Label of trials that have none");
   command->add_option("--condition", flags->options.condition,
                       "Condition of trials that have none");
-  command->add_option("--out", flags->out, "Trial file to write")->required();
+  command->add_option("--out", flags->out, "Trial file to write");
   command->add_flag("--json", flags->json, "Print one JSON object on stdout");
-  command->callback([=] { select([=] { return RunImport(*flags); }); });
+  command->callback([=] {
+    if (!flags->list && flags->out.empty()) throw CLI::RequiredError("--out");
+    select([=] { return RunImport(*flags); });
+  });
 }
 
 }  // namespace tactus::internal::client
