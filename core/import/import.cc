@@ -231,6 +231,11 @@ absl::StatusOr<size_t> ImportBags(const std::string& path, TrialSink sink,
                      "import ",
                      path, " --list prints one to start from"));
   }
+  if (options.label.empty()) {
+    return InvalidConfig("label of the import", "absent",
+                         absl::StrCat("the class of the trial, because ", path,
+                                      " is one bag and does not say it"));
+  }
   fs::path bag(path);
   // "run1/" has no name.
   if (!bag.has_filename()) bag = bag.parent_path();

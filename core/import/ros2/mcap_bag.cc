@@ -47,6 +47,10 @@ class McapBag final : public BagFile {
 
   std::string CutOff() const override {
     if (reader_->complete()) return "";
+    if (reader_->complete_bytes() == reader_->file_bytes()) {
+      return absl::StrCat(path_,
+                          ": has no end; its recorder did not finish it");
+    }
     return absl::StrCat(path_, ": was cut off: ", reader_->complete_bytes(),
                         " of its ", reader_->file_bytes(), " bytes are read");
   }

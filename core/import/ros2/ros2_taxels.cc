@@ -159,7 +159,9 @@ absl::StatusOr<Ros2Taxels> TaxelsOf(const std::string& type,
                                     const Ros2Message& message,
                                     const std::string& field) {
   Ros2Taxels taxels;
-  if (type == "sensor_msgs/msg/Image" && (field.empty() || field == "data")) {
+  const bool image =
+      absl::StartsWith(type, "sensor_msgs/") && absl::EndsWith(type, "/Image");
+  if (image && (field.empty() || field == "data")) {
     return PixelsOf(message);
   }
   if (!field.empty()) {

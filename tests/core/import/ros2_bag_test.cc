@@ -255,6 +255,10 @@ TEST(Ros2BagTest, ImportsAFolderOfBagsByATable) {
   EXPECT_EQ(trials->at(2).label, "y");
   EXPECT_TRUE(SummarizeBag(folder / "bags/b")->cut_off.empty());
   EXPECT_THAT(SummarizeBag(folder / "bags/c")->cut_off,
+              ElementsAre(HasSubstr("has no end")));
+  const std::string whole = ReadBytes(folder / "bags/a.mcap");
+  WriteBytes(folder / "bags/a.mcap", whole.substr(0, whole.size() - 9));
+  EXPECT_THAT(SummarizeBag(folder / "bags/a.mcap")->cut_off,
               ElementsAre(HasSubstr("was cut off")));
 }
 
@@ -419,6 +423,11 @@ TEST(Ros2BagTest, NamesEveryMistake) {
   WriteBytes(folder / "packed/p_0.db3.zstd", "x");
   EXPECT_THAT(std::string(SummarizeBag(folder / "packed").status().message()),
               HasSubstr("zstd -d"));
+  const auto unlabelled =
+      ImportAll(folder / "a.mcap", {.mapping = folder / "skin.json"});
+  EXPECT_EQ(ReasonOf(unlabelled.status()), "INVALID_CONFIG");
+  EXPECT_THAT(std::string(unlabelled.status().message()),
+              HasSubstr("label of the import"));
   const auto unmapped = ImportAll(kGoldenBags + "talker_db3");
   EXPECT_EQ(ReasonOf(unmapped.status()), "INVALID_CONFIG");
   EXPECT_THAT(std::string(unmapped.status().message()), HasSubstr("--list"));
