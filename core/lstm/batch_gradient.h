@@ -9,7 +9,7 @@
 //
 // The shards' gradients are summed in their order, so the bits depend on the
 // number of shards and not on that of ranks. One shard is the whole batch.
-// A rank reads the sequences of its own shards only.
+// A rank reads only the sequences of the shards that it computes.
 //
 // Refers to its arguments. Not thread-safe.
 #pragma once

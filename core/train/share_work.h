@@ -32,13 +32,12 @@ absl::Status ShareWork(const FitRun& run, const ParallelFor& parallel,
                        std::vector<T>& results,
                        const std::function<absl::Status(int)>& make) {
   Ranks& ranks = run.ranks;
+  const auto size = static_cast<size_t>(ranks.size());
   const auto place_of = [&](int rank, size_t k) {
-    return k * static_cast<size_t>(ranks.size()) + static_cast<size_t>(rank);
+    return k * size + static_cast<size_t>(rank);
   };
   const auto count_of = [&](int rank) {
-    size_t count = 0;
-    while (place_of(rank, count) < results.size()) ++count;
-    return count;
+    return (results.size() + size - 1 - static_cast<size_t>(rank)) / size;
   };
   const absl::Status made = RunAll(
       parallel, count_of(ranks.rank()),

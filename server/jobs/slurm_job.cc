@@ -58,7 +58,7 @@ absl::string_view ValueOf(absl::string_view key, absl::string_view text) {
   return {};
 }
 
-// Slurm's word for what has no outcome of its own.
+// How a job ended that has left no exit status, by what Slurm calls it.
 std::string TextOf(absl::string_view state) {
   if (state == "TIMEOUT" || state == "DEADLINE") {
     return "reached the time limit of its Slurm job";

@@ -3,7 +3,7 @@
 # PostgreSQL, HAProxy, three servers, robots, uploads, trainings, and what kills
 # them.
 #
-#   tests/cluster/run.sh --quick BIN    programs in BIN; about a minute
+#   tests/cluster/run.sh --quick BIN    programs in BIN; three minutes
 #   tests/cluster/run.sh --ranks BIN    trainings of several ranks (ranks.sh)
 #   tests/cluster/run.sh --chaos BIN    twenty minutes of faults (chaos.sh)
 #

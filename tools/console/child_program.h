@@ -1,7 +1,7 @@
 // File: child_program.h
 //
-// RunChild: another program, as a process of its own, run to its end within
-// limits. What it does wrong, this process survives.
+// RunChild: runs another program to its end, within limits. What it does wrong,
+// this process survives.
 //
 //   std::atomic<bool> cancelled = false;
 //   TACTUS_ASSIGN_OR_RETURN(

@@ -1,6 +1,6 @@
 // File: import_files.h
 //
-// ImportFiles: the files of one import, in a folder of their own.
+// ImportFiles: the files of one import, in a new folder.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const auto files, ImportFiles::Make(folder));
 //   TACTUS_ASSIGN_OR_RETURN(const int file, files->Open("day 1/a.csv", 4711));

@@ -13,7 +13,7 @@
 // what trainctl prints with --json, or {"accepted": false, "remarks": ["..."],
 // "error": "..."} with why trainctl refused, or what ended it.
 //
-// It is a process of its own, because the files are a stranger's: a parser that
+// It is a separate process, because the files are a stranger's: a parser that
 // crashes, loops or takes all memory on one of them costs this import alone. It
 // works in the folder of the import, so its words name no other folder.
 // Thread-safe; the last two functions block.

@@ -192,7 +192,7 @@ TEST_F(DataCopyTest, ADamagedUploadIsNamed) {
 }
 
 TEST_F(DataCopyTest, ATargetThatHoldsSomethingElseIsRefused) {
-  // A directory of its own.
+  // A directory with other data.
   testing::FillData(folder_ / "other");
   const auto before = FilesBelow(folder_ / "other");
   absl::Status refused = Copy(folder_ / "other").status();
