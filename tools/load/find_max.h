@@ -24,8 +24,9 @@ struct FindMaxOptions {
   int max_robots = 10'000;
   // It stops when the best and the first too many are this near, as a share.
   double precision = 0.04;
-  // A number counts as too many when so many tests in a row fail: one alone
-  // may be the doing of something else on the machine.
+  // A number fails when so many tests in a row fail: one alone may be the doing
+  // of something else on the machine. Doubling ends when two numbers in a row
+  // fail, because what disturbs one may be over at the next.
   int attempts = 2;
 };
 
