@@ -1,5 +1,6 @@
 #include "client/front/skin_convert.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "absl/strings/str_cat.h"
@@ -44,6 +45,10 @@ absl::StatusOr<v1::SensorGeometry> ToGeometry(const Skin& skin) {
   for (const int taxel : skin.masked_taxels) {
     TACTUS_RETURN_IF_ERROR(CheckCount("skin.masked_taxels", taxel));
     geometry.add_masked_taxels(taxel);
+  }
+  for (const int taxel : skin.auxiliary_taxels) {
+    TACTUS_RETURN_IF_ERROR(CheckCount("skin.auxiliary_taxels", taxel));
+    geometry.add_auxiliary_taxels(taxel);
   }
   if (skin.only_side_neighbours) {
     geometry.set_connectivity(v1::CONNECTIVITY_4);
@@ -133,12 +138,17 @@ Skin ToSkin(const SkinInfo& info) {
       .axes = layout.axes,
       .normal_axis = layout.normal_axis,
       .signed_values = layout.signed_values,
+      .auxiliary_taxels = {layout.auxiliary.begin(), layout.auxiliary.end()},
       .encoding = ToEncoding(info.taxel_type),
       .scale = info.scale,
       .sample_rate_hz = info.sample_rate_hz,
       .with_poses = info.with_poses};
   for (size_t i = 0; i < layout.mask.size(); ++i) {
-    if (layout.mask[i] == 0) skin.masked_taxels.push_back(static_cast<int>(i));
+    if (layout.mask[i] != 0 ||
+        std::ranges::binary_search(layout.auxiliary, i)) {
+      continue;
+    }
+    skin.masked_taxels.push_back(static_cast<int>(i));
   }
   if (layout.light_touch) {
     const LightTouch& light = *layout.light_touch;

@@ -60,15 +60,24 @@ class Finder {
   absl::StatusOr<FrameColumns> Run() {
     TACTUS_RETURN_IF_ERROR(FindTime());
     TACTUS_RETURN_IF_ERROR(FindPose());
+    TACTUS_ASSIGN_OR_RETURN(
+        const std::vector<size_t> auxiliary,
+        FindNamed("auxiliary_columns", skin_.auxiliary_columns));
     if (skin_.taxel_columns.empty()) {
       for (size_t i = 0; i < width_; ++i) {
-        if (!Contains(columns_.time, i) && !Contains(columns_.pose, i)) {
+        if (!Contains(columns_.time, i) && !Contains(columns_.pose, i) &&
+            !Contains(auxiliary, i)) {
           columns_.taxels.push_back(i);
         }
       }
     } else {
-      TACTUS_RETURN_IF_ERROR(FindNamedTaxels());
+      columns_.taxels_are_named = true;
+      TACTUS_ASSIGN_OR_RETURN(columns_.taxels,
+                              FindNamed("taxel_columns", skin_.taxel_columns));
     }
+    columns_.taxels.insert(columns_.taxels.end(), auxiliary.begin(),
+                           auxiliary.end());
+    TACTUS_RETURN_IF_ERROR(CheckDistinct());
     TACTUS_RETURN_IF_ERROR(CheckTaxels());
     Describe();
     return std::move(columns_);
@@ -145,33 +154,37 @@ class Finder {
                     absl::StrJoin(names, ", "));
   }
 
-  absl::Status FindNamedTaxels() {
-    columns_.taxels_are_named = true;
-    for (const std::string& name : skin_.taxel_columns) {
+  // The columns that a field of skin.json names, each or in ranges.
+  absl::StatusOr<std::vector<size_t>> FindNamed(
+      absl::string_view field, const std::vector<std::string>& names) const {
+    std::vector<size_t> found;
+    for (const std::string& name : names) {
       const size_t at = absl::string_view(name).find(kRange);
-      const auto place = [&](absl::string_view part) {
-        return Place("taxel_columns", part);
-      };
       if (at == absl::string_view::npos) {
-        TACTUS_ASSIGN_OR_RETURN(const size_t column, place(name));
-        columns_.taxels.push_back(column);
+        TACTUS_ASSIGN_OR_RETURN(const size_t column, Place(field, name));
+        found.push_back(column);
         continue;
       }
-      TACTUS_ASSIGN_OR_RETURN(const size_t first, place(name.substr(0, at)));
+      TACTUS_ASSIGN_OR_RETURN(const size_t first,
+                              Place(field, name.substr(0, at)));
       TACTUS_ASSIGN_OR_RETURN(const size_t last,
-                              place(name.substr(at + kRange.size())));
+                              Place(field, name.substr(at + kRange.size())));
       if (last < first) {
-        return Complain("taxel_columns: ", Quoted(name), " ends at column ",
-                        last, ", before it begins at column ", first);
+        return Complain(field, ": ", Quoted(name), " ends at column ", last,
+                        ", before it begins at column ", first);
       }
-      for (size_t i = first; i <= last; ++i) columns_.taxels.push_back(i);
+      for (size_t i = first; i <= last; ++i) found.push_back(i);
     }
     for (const size_t time : columns_.time) {
-      if (!Contains(columns_.taxels, time)) continue;
-      return Complain("taxel_columns: name ", ColumnName(file_, time),
+      if (!Contains(found, time)) continue;
+      return Complain(field, ": name ", ColumnName(file_, time),
                       ", which is the time; if it is none, say "
                       "\"time_column\": \"\" in skin.json");
     }
+    return found;
+  }
+
+  absl::Status CheckDistinct() const {
     const std::set<size_t> distinct(columns_.taxels.begin(),
                                     columns_.taxels.end());
     if (distinct.size() == columns_.taxels.size()) return absl::OkStatus();

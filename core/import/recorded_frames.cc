@@ -86,20 +86,27 @@ absl::Status Convert(const std::string& path, const std::vector<double>& values,
   const SkinLayout& layout = skin.layout;
   const auto places = static_cast<size_t>(layout.values());
   const double gain = skin.pressing_lowers ? -skin.scale : skin.scale;
-  const double lowest = layout.signed_values ? -limits::kMaxTaxelValue : 0;
+  const std::vector<uint8_t> mask = ValueMask(layout);
   taxels.f32.assign(values.size() / size * places, 0);
   for (size_t i = 0; i < values.size(); ++i) {
     const size_t number = i % size;
     const size_t place = skin.PlaceOf(number);
-    double value = gain * (values[i] - baselines[number]);
-    if (value < 0 && skin.negative_values == NegativeValues::kZero) value = 0;
-    if (value < 0 && skin.negative_values == NegativeValues::kAbsolute) {
-      value = -value;
+    const bool auxiliary = std::ranges::binary_search(
+        layout.auxiliary, static_cast<uint32_t>(place / layout.axes));
+    double value = values[i];
+    if (!auxiliary) {
+      value = gain * (value - baselines[number]);
+      if (value < 0 && skin.negative_values == NegativeValues::kZero) value = 0;
+      if (value < 0 && skin.negative_values == NegativeValues::kAbsolute) {
+        value = -value;
+      }
     }
+    const double lowest =
+        layout.signed_values && (auxiliary || !skin.unsigned_touch)
+            ? -limits::kMaxTaxelValue
+            : 0;
     // Written so that a NaN fails. A masked taxel may hold anything.
-    const bool masked =
-        !layout.mask.empty() && layout.mask[place / layout.axes] == 0;
-    if (masked) value = 0;
+    if (!mask.empty() && mask[place] == 0) value = 0;
     if (!(value >= lowest && value <= limits::kMaxTaxelValue)) {
       return TrialFileInvalid(
           path,
@@ -154,7 +161,13 @@ absl::StatusOr<RecordedFrames> MakeFrames(const std::string& path,
   frames.time = std::move(numbers.time);
   frames.poses = std::move(numbers.poses);
   if (!columns.taxels_are_named) {
-    frames.rising = FindRising(file, columns.taxels);
+    // A joint may sweep steadily: columns that are named are what they are.
+    const size_t named = skin.auxiliary_columns.empty()
+                             ? 0
+                             : skin.layout.auxiliary.size() * skin.layout.axes;
+    std::vector<size_t> others = columns.taxels;
+    others.resize(others.size() - named);
+    frames.rising = FindRising(file, others);
   }
   return frames;
 }

@@ -10,6 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/limits_skin.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/files/csv.h"
@@ -417,6 +418,24 @@ std::optional<std::string> ColumnText(const Json& json) {
   return {};
 }
 
+void TakeColumns(Fields& fields, const std::string& name,
+                 std::vector<std::string>* columns) {
+  if (!fields.Has(name)) return;
+  const Json& list = fields.At(name);
+  if (!list.is_array() || list.empty()) {
+    return fields.Complain(name, list, "a list of columns");
+  }
+  for (const Json& item : list) {
+    const auto column = ColumnText(item);
+    if (!column) {
+      return fields.Complain(
+          name, item,
+          "the name of a column, its place from 0, or a range: \"c1..c16\"");
+    }
+    columns->push_back(*column);
+  }
+}
+
 void TakeFormat(Fields& fields, SkinFile& skin) {
   fields.Choice<char>(
       "delimiter",
@@ -444,19 +463,44 @@ void TakeFormat(Fields& fields, SkinFile& skin) {
                       "the name of a column, or its place from 0");
     }
   }
-  if (!fields.Has("taxel_columns")) return;
-  const Json& list = fields.At("taxel_columns");
-  if (!list.is_array() || list.empty()) {
-    return fields.Complain("taxel_columns", list, "a list of columns");
-  }
-  for (const Json& item : list) {
-    const auto column = ColumnText(item);
-    if (!column) {
-      return fields.Complain(
-          "taxel_columns", item,
-          "the name of a column, its place from 0, or a range: \"c1..c16\"");
+  TakeColumns(fields, "taxel_columns", &skin.taxel_columns);
+}
+
+// Auxiliary taxels lie in rows of their own, below those of the skin. Too many
+// rows are found by Validate().
+void TakeAuxiliary(Fields& fields, SkinFile& skin) {
+  int count = 0;
+  TakeColumns(fields, "auxiliary_columns", &skin.auxiliary_columns);
+  fields.Whole("auxiliary_values", 1,
+               static_cast<int>(limits::kMaxAuxiliaryTaxels), &count);
+  SkinLayout& layout = skin.layout;
+  if (count == 0) {
+    if (!skin.auxiliary_columns.empty()) {
+      fields.Complain("auxiliary_values",
+                      "is missing: say how many auxiliary_columns there are");
     }
-    skin.taxel_columns.push_back(*column);
+    return;
+  }
+  if (skin.frame_taxels() == 0) return;
+  if (skin.two_planes || skin.events != EventRule::kNone) {
+    return fields.Complain("auxiliary_values", "cannot be given with events");
+  }
+  if (skin.cells.empty()) {
+    skin.cells.resize(layout.taxels());
+    std::iota(skin.cells.begin(), skin.cells.end(), 0);
+  }
+  const int first = layout.taxels();
+  layout.rows += (count + layout.columns - 1) / layout.columns;
+  if (layout.mask.empty()) layout.mask.assign(first, 1);
+  layout.mask.resize(layout.taxels(), 0);
+  for (int i = 0; i < count; ++i) {
+    skin.cells.push_back(first + i);
+    layout.auxiliary.push_back(static_cast<uint32_t>(first + i));
+  }
+  if (layout.axes == 1 && !layout.signed_values) {
+    layout.signed_values = true;
+    layout.normal_axis = 0;
+    skin.unsigned_touch = true;
   }
 }
 
@@ -522,6 +566,7 @@ absl::StatusOr<SkinFile> ReadSkinFile(const std::string& path) {
   TakeMask(fields, skin);
   TakePolarity(fields, skin);
   TakeFormat(fields, skin);
+  TakeAuxiliary(fields, skin);
   fields.Text("dataset", &skin.dataset);
   fields.Text("bag_values", &skin.bag_values);
   fields.Text("pose_topic", &skin.pose_topic);

@@ -66,6 +66,11 @@ struct SkinFile {
   // The columns of the taxels in order, each a name, a place from 0, or a range
   // of either, "c1..c16". Empty: all others.
   std::vector<std::string> taxel_columns;
+  // The columns of what the robot measures beside touch, as above: auxiliary
+  // taxels, behind the others. Their numbers stay as they are.
+  std::vector<std::string> auxiliary_columns;
+  // Only auxiliary taxels may read below 0.
+  bool unsigned_touch = false;
   RepeatedTimes repeated_times = RepeatedTimes::kRefused;
   // Dataset of HDF5 and .npz files and bags, where the table names none.
   std::string dataset;

@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/limits_skin.h"
 #include "core/base/status_macros.h"
 
 namespace tactus::internal {
@@ -81,11 +82,39 @@ absl::Status CheckAxes(const SkinLayout& layout) {
                                     ", below geometry.axes, or absent"));
 }
 
+absl::Status CheckAuxiliary(const SkinLayout& layout) {
+  constexpr absl::string_view kField = "geometry.auxiliary_taxels";
+  if (layout.auxiliary.size() > limits::kMaxAuxiliaryTaxels) {
+    return InvalidConfig(kField, layout.auxiliary.size(),
+                         absl::StrCat("at most ", limits::kMaxAuxiliaryTaxels));
+  }
+  for (size_t i = 0; i < layout.auxiliary.size(); ++i) {
+    const uint32_t taxel = layout.auxiliary[i];
+    if (taxel >= static_cast<uint32_t>(layout.taxels())) {
+      return InvalidConfig(kField, taxel,
+                           absl::StrCat("below ", layout.taxels()));
+    }
+    if (i > 0 && taxel <= layout.auxiliary[i - 1]) {
+      return InvalidConfig(kField, absl::StrCat(taxel, " twice"), "each once");
+    }
+    if (layout.mask.empty() || layout.mask[taxel] != 0) {
+      return InvalidConfig("mask of an auxiliary taxel", 1, "0");
+    }
+  }
+  return absl::OkStatus();
+}
+
 // "1, unsigned", or "3, signed, normal 2".
 std::string AxesText(const SkinLayout& layout) {
   return absl::StrCat(
       layout.axes, layout.signed_values ? ", signed" : ", unsigned",
       layout.normal_axis ? absl::StrCat(", normal ", *layout.normal_axis) : "");
+}
+
+// "4 9", or "none".
+std::string AuxiliaryText(const SkinLayout& layout) {
+  if (layout.auxiliary.empty()) return "none";
+  return absl::StrJoin(layout.auxiliary, " ");
 }
 
 absl::string_view UnitName(TaxelUnit unit) {
@@ -174,7 +203,22 @@ absl::Status Validate(const SkinLayout& layout) {
                          absl::StrCat(layout.taxels(), ", one per taxel"));
   }
   TACTUS_RETURN_IF_ERROR(CheckAxes(layout));
+  TACTUS_RETURN_IF_ERROR(CheckAuxiliary(layout));
   return CheckLightTouch(layout);
+}
+
+absl::Status AddAuxiliary(std::vector<uint32_t> taxels, SkinLayout& layout) {
+  if (taxels.empty()) return absl::OkStatus();
+  std::ranges::sort(taxels);
+  if (layout.mask.empty()) layout.mask.assign(layout.taxels(), 1);
+  for (const uint32_t taxel : taxels) {
+    if (taxel < layout.mask.size()) layout.mask[taxel] = 0;
+  }
+  layout.auxiliary = std::move(taxels);
+  TACTUS_RETURN_IF_ERROR(CheckAuxiliary(layout));
+  if (std::ranges::count(layout.mask, 1) > 0) return absl::OkStatus();
+  return InvalidConfig("geometry.auxiliary_taxels",
+                       "every taxel that is not masked", "a part of them");
 }
 
 std::vector<uint8_t> ValueMask(const SkinLayout& layout) {
@@ -182,6 +226,9 @@ std::vector<uint8_t> ValueMask(const SkinLayout& layout) {
   mask.reserve(layout.mask.size() * layout.axes);
   for (const uint8_t valid : layout.mask) {
     mask.insert(mask.end(), layout.axes, valid);
+  }
+  for (const uint32_t taxel : layout.auxiliary) {
+    std::fill_n(mask.begin() + size_t{taxel} * layout.axes, layout.axes, 1);
   }
   return mask;
 }
@@ -200,6 +247,7 @@ std::string SkinDifference(const SkinLayout& layout, const SkinLayout& other) {
        {Differ("layout", layout.name, other.name),
         Differ("shape", shape(layout), shape(other)),
         Differ("axes", AxesText(layout), AxesText(other)),
+        Differ("auxiliary_taxels", AuxiliaryText(layout), AuxiliaryText(other)),
         Differ("unit", UnitName(layout.unit), UnitName(other.unit)),
         Differ("contact_threshold", layout.contact_threshold,
                other.contact_threshold, 0),

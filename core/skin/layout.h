@@ -78,6 +78,10 @@ struct SkinLayout {
   std::optional<int> normal_axis = std::nullopt;
   // Values may be below 0.
   bool signed_values = false;
+  // Taxels that carry something else than touch, such as a joint's angle:
+  // row-major indices, rising, at most limits::kMaxAuxiliaryTaxels. The mask
+  // ignores them, so that no contact is felt there.
+  std::vector<uint32_t> auxiliary = {};
 
   int taxels() const { return rows * columns; }
   // Values of a frame: `axes` for each taxel.
@@ -91,12 +95,19 @@ struct SkinLayout {
 // OK if every field is in range; else INVALID_CONFIG naming the field.
 absl::Status Validate(const SkinLayout& layout);
 
-// The mask with one byte per value of a frame; empty if all are valid.
+// Adds auxiliary taxels to a valid layout without any, and to its mask.
+// INVALID_CONFIG if there are too many, one is not there or given twice, or no
+// other taxel is left.
+absl::Status AddAuxiliary(std::vector<uint32_t> taxels, SkinLayout& layout);
+
+// Which values of a frame mean something, one byte per value: 0 for those of
+// masked taxels, but not of auxiliary ones. Empty if all do.
 std::vector<uint8_t> ValueMask(const SkinLayout& layout);
 
 // The first difference between two layouts that changes what a frame means to a
 // model, as "contact_threshold 4, not 5" with the value of `layout` first;
-// empty if there is none. Masks may differ, because a taxel may break. Lengths
+// empty if there is none. Masks may differ, because a taxel may break, but not
+// in auxiliary taxels. Lengths
 // and areas that differ by less than a millionth are equal.
 std::string SkinDifference(const SkinLayout& layout, const SkinLayout& other);
 

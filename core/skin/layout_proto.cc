@@ -151,8 +151,11 @@ v1::SensorGeometry LayoutToProto(const SkinLayout& layout) {
   if (layout.axes != 1) geometry.set_axes(layout.axes);
   if (layout.normal_axis) geometry.set_normal_axis(*layout.normal_axis);
   geometry.set_signed_values(layout.signed_values);
+  geometry.mutable_auxiliary_taxels()->Add(layout.auxiliary.begin(),
+                                           layout.auxiliary.end());
   for (size_t i = 0; i < layout.mask.size(); ++i) {
-    if (layout.mask[i] == 0) {
+    if (layout.mask[i] == 0 &&
+        !std::ranges::binary_search(layout.auxiliary, i)) {
       geometry.add_masked_taxels(static_cast<uint32_t>(i));
     }
   }
@@ -168,6 +171,9 @@ absl::StatusOr<SkinLayout> LayoutFromProto(const v1::SensorGeometry& geometry) {
   ApplyLightTouch(geometry, layout);
   TACTUS_RETURN_IF_ERROR(Validate(layout));
   TACTUS_RETURN_IF_ERROR(ApplyMask(geometry, layout));
+  const auto& auxiliary = geometry.auxiliary_taxels();
+  TACTUS_RETURN_IF_ERROR(
+      AddAuxiliary({auxiliary.begin(), auxiliary.end()}, layout));
   return layout;
 }
 

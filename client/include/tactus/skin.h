@@ -87,6 +87,11 @@ struct Skin {
   std::optional<int> normal_axis = std::nullopt;
   // Values may be below 0.
   bool signed_values = false;
+  // Row-major indices of taxels that carry something else than touch, such as
+  // the angle of a joint: inputs of models that were trained with them. If they
+  // may be below 0 and the others may not, set signed_values, and normal_axis
+  // to 0.
+  std::vector<int> auxiliary_taxels = {};
 
   TaxelEncoding encoding = TaxelEncoding::kUint16;
   // Frame::values times this is in `unit`; above 0.

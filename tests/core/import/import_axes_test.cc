@@ -215,5 +215,55 @@ TEST_F(ImportAxesTest, ARecordingKeepsItsNumbers) {
   EXPECT_EQ(trials->front().skin, skin);
 }
 
+// Frames of six taxels, with the angles of two joints between them.
+TEST_F(ImportAxesTest, AuxiliaryColumnsFollowTheTaxels) {
+  std::string table = "time,elbow,a,b,c,d,e,f,wrist\n";
+  for (int t = 0; t < 30; ++t) {
+    table += std::to_string(0.01 * t) + ",-0.5,1005,1004,1003,1002,1001,1000,";
+    table += std::to_string(t) + "\n";
+  }
+  WriteBytes(dir_ / "a.csv", table);
+  const auto trial = Import(R"("contact_threshold": 1, "baseline": 1000,
+      "scale": 2, "auxiliary_values": 2,
+      "auxiliary_columns": ["wrist", "elbow"])",
+                            "a.csv");
+  ASSERT_TRUE(trial.ok()) << trial.status();
+  EXPECT_EQ(trial->skin->rows, 3);
+  EXPECT_EQ(trial->skin->auxiliary, (std::vector<uint32_t>{6, 7}));
+  EXPECT_EQ(trial->skin->mask,
+            (std::vector<uint8_t>{1, 1, 1, 1, 1, 1, 0, 0, 0}));
+  std::vector<float> frame(9);
+  trial->taxels.Decode(7, frame.data());
+  EXPECT_EQ(frame, (std::vector<float>{10, 8, 6, 4, 2, 0, 7, -0.5F, 0}));
+  // A touch below 0 stays a mistake.
+  WriteBytes(dir_ / "a.csv", table + "0.3,0,999,0,0,0,0,0,0\n");
+  EXPECT_THAT(Import(R"("contact_threshold": 1, "baseline": 1000,
+      "auxiliary_values": 2, "auxiliary_columns": ["wrist", "elbow"])",
+                     "a.csv")
+                  .status()
+                  .message(),
+              HasSubstr("taxel 0 of frame 30 is -1; it must be 0 to 1e12"));
+}
+
+TEST_F(ImportAxesTest, AuxiliaryValuesAreTheLastOfAFrame) {
+  std::vector<float> all;
+  for (size_t i = 0; i < kFrames * 8; ++i) {
+    all.push_back(i % 8 < kTaxels ? 3 : -4);
+  }
+  WriteBytes(dir_ / "a.npy",
+             NpyBytes({kFrames, 8}, std::span<const float>(all)));
+  const auto trial =
+      Import(R"("contact_threshold": 1, "auxiliary_values": 2)", "a.npy");
+  ASSERT_TRUE(trial.ok()) << trial.status();
+  std::vector<float> frame(9);
+  trial->taxels.Decode(0, frame.data());
+  EXPECT_EQ(frame, (std::vector<float>{3, 3, 3, 3, 3, 3, -4, -4, 0}));
+  EXPECT_THAT(
+      Import(R"("contact_threshold": 1, "auxiliary_columns": ["6"])", "a.npy")
+          .status()
+          .message(),
+      HasSubstr("say how many auxiliary_columns there are"));
+}
+
 }  // namespace
 }  // namespace tactus::internal

@@ -157,6 +157,26 @@ TEST(LayoutFromProtoTest, LightTouchIsOffUnlessGiven) {
   EXPECT_EQ(ReasonOf(LayoutFromProto(geometry).status()), "INVALID_CONFIG");
 }
 
+TEST(LayoutFromProtoTest, AuxiliaryTaxelsAreMaskedButTheirValuesCount) {
+  v1::SensorGeometry geometry = LayoutToProto(*LayoutPreset("cody-forearm"));
+  geometry.add_masked_taxels(2);
+  geometry.add_auxiliary_taxels(9);
+  geometry.add_auxiliary_taxels(4);
+  const auto layout = LayoutFromProto(geometry);
+  ASSERT_TRUE(layout.ok()) << layout.status();
+  EXPECT_EQ(layout->auxiliary, (std::vector<uint32_t>{4, 9}));
+  EXPECT_EQ(std::count(layout->mask.begin(), layout->mask.end(), 0), 3);
+  const std::vector<uint8_t> values = ValueMask(*layout);
+  EXPECT_EQ(std::count(values.begin(), values.end(), 0), 1);
+  EXPECT_EQ(values[2], 0);
+  // The way back, and once more.
+  EXPECT_EQ(*LayoutFromProto(LayoutToProto(*layout)), *layout);
+  EXPECT_EQ(LayoutToProto(*layout).masked_taxels_size(), 1);
+  geometry.clear_auxiliary_taxels();
+  EXPECT_EQ(SkinDifference(*layout, *LayoutFromProto(geometry)),
+            "auxiliary_taxels 4 9, not none");
+}
+
 TEST(LayoutFromProtoTest, BadGeometriesAreRefusedWithReason) {
   struct Case {
     const char* reason;
@@ -188,6 +208,21 @@ TEST(LayoutFromProtoTest, BadGeometriesAreRefusedWithReason) {
        [](v1::SensorGeometry& g) { g.add_masked_taxels(384); }},
       {"INVALID_CONFIG",
        [](v1::SensorGeometry& g) { g.set_contact_threshold(-1); }},
+      {"INVALID_CONFIG",
+       [](v1::SensorGeometry& g) { g.add_auxiliary_taxels(384); }},
+      {"INVALID_CONFIG",
+       [](v1::SensorGeometry& g) {
+         for (int i = 0; i < 2; ++i) g.add_auxiliary_taxels(7);
+       }},
+      {"INVALID_CONFIG",
+       [](v1::SensorGeometry& g) {
+         for (int i = 0; i < 65; ++i) g.add_auxiliary_taxels(i);
+       }},
+      {"INVALID_CONFIG",
+       [](v1::SensorGeometry& g) {
+         for (int i = 1; i < 384; ++i) g.add_masked_taxels(i);
+         g.add_auxiliary_taxels(0);
+       }},
   };
   const v1::SensorGeometry good = LayoutToProto(*LayoutPreset("cody-forearm"));
   for (size_t i = 0; i < std::size(cases); ++i) {

@@ -80,6 +80,11 @@ class Skin:
     normal_axis: Optional[int] = None
     #: Values may be below 0.
     signed_values: bool = False
+    #: Row-major indices of taxels that carry something else than touch, such as
+    #: the angle of a joint: inputs of models that were trained with them. If
+    #: they may be below 0 and the others may not, set ``signed_values``, and
+    #: ``normal_axis`` to 0.
+    auxiliary_taxels: Tuple[int, ...] = ()
     #: Type of the values of a frame: "uint16", "int16" or "float32".
     dtype: str = "uint16"
     #: A frame's values times this are in ``unit``; above 0.
@@ -132,7 +137,8 @@ class Skin:
         return replace(
             preset, contact_threshold=self.contact_threshold or preset.contact_threshold,
             onset_threshold=self.onset_threshold or preset.onset_threshold,
-            masked_taxels=self.masked_taxels, only_side_neighbours=self.only_side_neighbours,
+            masked_taxels=self.masked_taxels, auxiliary_taxels=self.auxiliary_taxels,
+            only_side_neighbours=self.only_side_neighbours,
             light_touch=self.light_touch, dtype=self.dtype, scale=self.scale,
             rate_hz=self.rate_hz, with_poses=self.with_poses)
 
@@ -189,6 +195,10 @@ def to_geometry(skin: Skin) -> Any:
         if taxel < 0:
             raise invalid("skin.masked_taxels", taxel, "0 or more")
     geometry.masked_taxels.extend(skin.masked_taxels)
+    for taxel in skin.auxiliary_taxels:
+        if taxel < 0:
+            raise invalid("skin.auxiliary_taxels", taxel, "0 or more")
+    geometry.auxiliary_taxels.extend(skin.auxiliary_taxels)
     if skin.only_side_neighbours:
         geometry.connectivity = common_pb2.CONNECTIVITY_4
     if skin.light_touch is not None:
@@ -214,4 +224,5 @@ def from_geometry(geometry: Any, **others: Any) -> Skin:
         only_side_neighbours=geometry.connectivity == common_pb2.CONNECTIVITY_4,
         light_touch=light, axes=max(1, geometry.axes),
         normal_axis=geometry.normal_axis if geometry.HasField("normal_axis") else None,
-        signed_values=geometry.signed_values, **others)
+        signed_values=geometry.signed_values,
+        auxiliary_taxels=tuple(geometry.auxiliary_taxels), **others)
