@@ -63,8 +63,8 @@ absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
   }
   const auto version = ReadNumber<uint32_t>(bytes, kVersionOffset);
   if (version < kBundleFormatVersion ||
-      version > kBundleFormatVersionRecordings) {
-    return BundleVersion(version, kBundleFormatVersionRecordings);
+      version > kBundleFormatVersionComponents) {
+    return BundleVersion(version, kBundleFormatVersionComponents);
   }
   const absl::string_view payload = body.substr(kPayloadOffset);
   if (ReadNumber<uint64_t>(bytes, kLengthOffset) != payload.size()) {
@@ -76,6 +76,13 @@ absl::StatusOr<absl::string_view> OpenEnvelope(absl::string_view bytes) {
 }  // namespace
 
 uint32_t BundleFormatVersion(const Model& model) {
+  const auto has_auxiliary = [](const SkinLayout& layout) {
+    return !layout.auxiliary.empty();
+  };
+  if (NeedsComponents(model) || has_auxiliary(model.layout) ||
+      std::ranges::any_of(model.more_layouts, has_auxiliary)) {
+    return kBundleFormatVersionComponents;
+  }
   if (!HasHmms(model) || model.calibration.hold_after_frames > 0) {
     return kBundleFormatVersionRecordings;
   }

@@ -21,11 +21,13 @@ namespace tactus::internal {
 
 // Bundles whose networks have hidden layers have version 2, and bundles of
 // learners without HMMs or with answers that hold have version 3, because
-// readers of earlier versions would leave these out. All others have version 1.
-// All are read.
+// readers of earlier versions would leave these out. So would they leave out
+// components and auxiliary taxels (core/taxels/components.h), which version 4
+// has. All others have version 1. All are read.
 inline constexpr uint32_t kBundleFormatVersion = 1;
 inline constexpr uint32_t kBundleFormatVersionHidden = 2;
 inline constexpr uint32_t kBundleFormatVersionRecordings = 3;
+inline constexpr uint32_t kBundleFormatVersionComponents = 4;
 
 // The format version of this model's bundle.
 uint32_t BundleFormatVersion(const Model& model);

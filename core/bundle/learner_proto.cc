@@ -22,6 +22,8 @@ void ViewsToProto(const FrameViews& views, Message* out) {
   out->set_columns(views.columns);
   out->set_block(views.block);
   out->mutable_scale()->Add(views.scale.begin(), views.scale.end());
+  out->set_planes(views.planes);
+  Copy(views.auxiliary_scale, out->mutable_auxiliary_scale());
 }
 
 void ToProto(const Ridge& ridge, v1::Ridge* out) {
@@ -60,11 +62,11 @@ template <class Message>
 absl::StatusOr<FrameViews> ViewsFromProto(const Message& in) {
   constexpr uint32_t kMost = limits::kMaxTaxels;
   if (in.rows() > kMost || in.columns() > kMost || in.block() > kMost ||
-      in.scale_size() != kFrameViews) {
+      in.planes() > kMost || in.scale_size() != kFrameViews) {
     return InvalidModel(
-        "rows, columns, block and scales of the views",
-        absl::StrCat(in.rows(), ", ", in.columns(), ", ", in.block(), " and ",
-                     in.scale_size()),
+        "rows, columns, block, planes and scales of the views",
+        absl::StrCat(in.rows(), ", ", in.columns(), ", ", in.block(), ", ",
+                     in.planes(), " and ", in.scale_size()),
         absl::StrCat("at most ", kMost, ", and ", kFrameViews, " scales"));
   }
   FrameViews views;
@@ -72,6 +74,9 @@ absl::StatusOr<FrameViews> ViewsFromProto(const Message& in) {
   views.columns = static_cast<int>(in.columns());
   views.block = static_cast<int>(in.block());
   std::ranges::copy(in.scale(), views.scale.begin());
+  views.planes = static_cast<int>(in.planes());
+  views.auxiliary_scale.assign(in.auxiliary_scale().begin(),
+                               in.auxiliary_scale().end());
   return views;
 }
 

@@ -145,6 +145,8 @@ class ContactClassifier {
   // True if an input is made from ContactSample::loads, or there are
   // no HMMs.
   bool uses_taxels() const { return TaxelsNeeded(model_->model()) > 0; }
+  // True if ContactSample::loads must have the components, too.
+  bool uses_components() const { return NeedsComponents(model_->model()); }
   // Steps of the LSTMs that Options::savings left out, over all contacts.
   uint64_t saved_steps() const { return saved_steps_; }
   // Counts over all contacts; never reset.

@@ -90,6 +90,7 @@ ContactPipeline::ContactPipeline(
                 .max_contacts = max_contacts_,
                 .load_profile = classifiers_[0]->uses_profile(),
                 .taxel_loads = classifiers_[0]->uses_taxels(),
+                .taxel_components = classifiers_[0]->uses_components(),
                 .load_spread = classifiers_[0]->uses_spread(),
                 .shear = classifiers_[0]->uses_shear(),
                 .skip_untouched = options.skip[SkipRule::kUntouchedFrames],

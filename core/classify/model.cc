@@ -57,6 +57,10 @@ absl::Status CheckQuestions(const Model& model) {
   return absl::OkStatus();
 }
 
+bool SeesComponents(const FrameViews& views) {
+  return views.planes > 0 || views.auxiliary() > 0;
+}
+
 // A ridge, nearest neighbours or trees, `name`, of so many classes and of this
 // skin.
 absl::Status CheckFromTaxels(absl::string_view name, int classes,
@@ -75,7 +79,12 @@ absl::Status CheckFromTaxels(absl::string_view name, int classes,
         absl::StrCat(model.classes(), ", ", model.layout.rows, " and ",
                      model.layout.columns));
   }
-  return absl::OkStatus();
+  const TaxelShape shape = ShapeOf(model.layout);
+  if (!SeesComponents(views) || views.shape() == shape) return absl::OkStatus();
+  return InvalidModel(
+      absl::StrCat("planes and auxiliary components of ", name),
+      absl::StrCat(views.planes, " and ", views.auxiliary()),
+      absl::StrCat(shape.planes, " and ", shape.auxiliary, ", or none"));
 }
 
 absl::Status CheckHmms(const Model& model) {
@@ -220,7 +229,8 @@ absl::Status CheckWarmUpAnswer(absl::string_view name,
 // The taxels of the warm-up trial.
 absl::Status CheckLoads(const Model& model) {
   const WarmUpTrial& trial = model.warm_up;
-  const int taxels = TaxelsNeeded(model);
+  const int taxels = NeedsComponents(model) ? ShapeOf(model.layout).total()
+                                            : TaxelsNeeded(model);
   const size_t ends = taxels > 0 ? trial.samples.size() : 0;
   if (trial.load_ends.size() != ends) {
     return InvalidModel("warm_up.load_ends size", trial.load_ends.size(),
@@ -322,6 +332,12 @@ ContactSample WarmUpTrial::Sample(size_t i) const {
 
 bool HasHmms(const Model& model) {
   return !model.ridge && !model.nearest && !model.trees;
+}
+
+bool NeedsComponents(const Model& model) {
+  return (model.ridge && SeesComponents(model.ridge->history)) ||
+         (model.nearest && SeesComponents(model.nearest->views)) ||
+         (model.trees && SeesComponents(model.trees->history));
 }
 
 int TaxelsNeeded(const Model& model) {

@@ -203,6 +203,9 @@ bool HasHmms(const Model& model);
 // Taxels of the skin that the model looks at; 0 if it looks at none.
 int TaxelsNeeded(const Model& model);
 
+// True if it also looks at components (core/taxels/components.h).
+bool NeedsComponents(const Model& model);
+
 // True if it looks at more of the skin than the features, so that ideal signals
 // cannot be classified.
 bool NeedsSkin(const Model& model);

@@ -15,6 +15,7 @@ void TakeTaxels(const Trial& trial, const SkinLayout& layout,
                                   .release_after_s = options.release_after_s,
                                   .load_profile = options.whole_skin,
                                   .taxel_loads = options.whole_skin,
+                                  .taxel_components = true,
                                   .load_spread = true,
                                   .shear = true});
   std::vector<float> taxels(layout.values());

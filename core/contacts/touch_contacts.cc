@@ -43,6 +43,7 @@ class TouchFollower {
                           .max_contacts = options.max_contacts,
                           .load_profile = options.whole_skin,
                           .taxel_loads = options.whole_skin,
+                          .taxel_components = true,
                           .load_spread = true,
                           .shear = true}),
         least_stay_(

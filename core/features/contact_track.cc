@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/features/load_profile.h"
+#include "core/taxels/components.h"
 
 namespace tactus::internal {
 namespace {
@@ -79,7 +80,7 @@ ContactTrack::ContactTrack(const SkinLayout& layout, const Options& options)
       contact_threshold_(TaxelThreshold(layout.contact_threshold)),
       row_loads_(options.load_profile ? layout.rows : 0),
       column_loads_(options.load_profile ? layout.columns : 0) {
-  if (options.taxel_loads) loads_.reserve(layout.taxels());
+  if (options.taxel_loads) loads_.reserve(ShapeOf(layout).total());
 }
 
 void ContactTrack::Begin(uint64_t id, const FrameView& frame,
@@ -231,6 +232,9 @@ void ContactTrack::Measure(const ContactTouch& touch) {
   }
   if (loads_.capacity() > 0) {
     touch.segmenter->CopyLoads(touch.values, touch.all_rows, loads_);
+    if (options_.taxel_components) {
+      AddComponents(layout_, touch.axis_values, touch.all_rows, loads_);
+    }
     features_.loads = loads_;
   }
   if (options_.load_spread) {

@@ -106,6 +106,8 @@ class ContactTrack {
     double release_after_s = 0.5;
     bool load_profile = true;
     bool taxel_loads = false;
+    // With taxel_loads.
+    bool taxel_components = false;
     bool load_spread = false;
     bool shear = false;
     // A contact also ends before release_after_s when it is clearly over, and

@@ -52,9 +52,10 @@ struct ContactSample {
   double net_force = 0;
   // Zero for ideal signals, which have no place on a skin.
   LoadProfile profile = {};
-  // The touched taxels of the whole skin, by rising index. Empty for ideal
-  // signals, and if nobody needs them. Refers to the memory of whoever made the
-  // sample.
+  // The touched taxels of the whole skin, by rising index, and then the frame's
+  // components (core/taxels/components.h) if somebody needs them. Empty for
+  // ideal signals, and if nobody needs taxels. Refers to the memory of whoever
+  // made the sample.
   std::span<const TaxelLoad> loads = {};
   // Spread of the whole region. Zero for ideal signals, and if not needed.
   LoadSpread spread = {};

@@ -29,6 +29,7 @@ ContactTrack::Options TrackOptions(const SkinTracker::Options& options,
           .release_after_s = options.release_after_s,
           .load_profile = options.load_profile,
           .taxel_loads = options.taxel_loads,
+          .taxel_components = options.taxel_components,
           .load_spread = options.load_spread,
           .shear = options.shear && layout.axes == 3,
           .release_by_evidence =

@@ -134,6 +134,8 @@ class SkinTracker {
     bool load_profile = true;
     // If true, `loads` has the touched taxels.
     bool taxel_loads = false;
+    // If true, `loads` has the components too (core/taxels/components.h).
+    bool taxel_components = false;
     // If true, `spread` is measured.
     bool load_spread = false;
     // If true, `shear` is measured, on skins of three axes.

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/taxels/components.h"
 
 namespace tactus::internal {
 namespace {
@@ -29,10 +30,12 @@ constexpr double kLeastVariance = 1e-9;
 // Numbers the taxels that are ever touched; -1 for the others.
 std::vector<int> NumberTouched(
     const std::vector<const LabelledContact*>& contacts, int* count) {
-  std::vector<int> numbers(contacts.front()->layout.taxels(), -1);
+  const int taxels = contacts.front()->layout.taxels();
+  std::vector<int> numbers(taxels, -1);
   for (const LabelledContact* contact : contacts) {
     for (size_t t = 0; t < contact->frames.size(); ++t) {
-      for (const TaxelLoad& load : contact->frames.loads(t)) {
+      for (const TaxelLoad& load :
+           WithoutComponents(contact->frames.loads(t), taxels)) {
         numbers[load.taxel] = 0;
       }
     }
@@ -56,7 +59,8 @@ class FrameVectors {
 
   void Step(std::span<const TaxelLoad> loads) {
     level_.setZero();
-    for (const TaxelLoad& load : loads) {
+    const auto taxels = static_cast<int>(numbers_.size());
+    for (const TaxelLoad& load : WithoutComponents(loads, taxels)) {
       level_[numbers_[load.taxel]] = load.root;
     }
     ++frames_;

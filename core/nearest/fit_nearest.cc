@@ -124,14 +124,12 @@ Fitness Measure(Samples samples, const std::vector<float>& rows,
   return fitness;
 }
 
-}  // namespace
-
-absl::StatusOr<Nearest> FitNearest(Samples samples,
-                                   const NearestOptions& options) {
-  Nearest best;
-  best.views = FitViews(samples, options.rows, options.columns);
-  best.classes = options.classes;
-  const size_t numbers = best.numbers();
+// Takes the best view of these into `best` if it is better than `fitness`.
+absl::Status ChooseView(Samples samples, const FrameViews& views,
+                        const NearestOptions& options, Fitness& fitness,
+                        Nearest& best) {
+  const size_t numbers =
+      static_cast<size_t>(views.channels()) * kHistoryStretches;
   const size_t kept = samples.size() * kPartCount * numbers;
   if (kept > kMostNearestNumbers) {
     return InvalidTrainingData(absl::StrCat(
@@ -139,9 +137,8 @@ absl::StatusOr<Nearest> FitNearest(Samples samples,
         " numbers and three parts are ", kept,
         " numbers, but nearest neighbours keep at most ", kMostNearestNumbers));
   }
-  Fitness fitness{.right = -1};
   for (int view = 0; view < kFrameViews; ++view) {
-    const std::vector<float> as_they_are = MakeRows(samples, best.views, view);
+    const std::vector<float> as_they_are = MakeRows(samples, views, view);
     for (const bool standardised : {false, true}) {
       TACTUS_RETURN_IF_ERROR(options.go_on());
       std::vector<float> rows = as_they_are;
@@ -153,10 +150,29 @@ absl::StatusOr<Nearest> FitNearest(Samples samples,
       const Fitness found = Measure(samples, rows, numbers);
       if (!(fitness < found)) continue;
       fitness = found;
+      best.views = views;
       best.view = view;
       best.gain = std::move(gain);
     }
   }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Nearest> FitNearest(Samples samples,
+                                   const NearestOptions& options) {
+  Nearest best;
+  best.classes = options.classes;
+  Fitness fitness{.right = -1};
+  const TaxelShape loads = WithoutComponents(options.shape);
+  TACTUS_RETURN_IF_ERROR(
+      ChooseView(samples, FitViews(samples, loads), options, fitness, best));
+  if (options.shape != loads) {
+    TACTUS_RETURN_IF_ERROR(ChooseView(samples, FitViews(samples, options.shape),
+                                      options, fitness, best));
+  }
+  const size_t numbers = best.numbers();
   // Equal contacts have a distance of 0.
   const double scale =
       fitness.distance > kConstant ? 1 / std::sqrt(fitness.distance) : 1;

@@ -1,11 +1,12 @@
 // File: fit_nearest.h
 //
-// Fitting a Nearest to labelled contacts: chooses the view, and whether its
-// numbers are standardised, by how many contacts the nearest contact of another
-// group answers rightly.
+// Fitting a Nearest to labelled contacts: chooses whether components count
+// beside the loads (core/taxels/components.h), the view, and whether its
+// numbers are standardised, by how many contacts the nearest contact of
+// another group answers rightly.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const Nearest nearest,
-//                           FitNearest(samples, {.rows = 4, .columns = 6}));
+//                           FitNearest(samples, {.shape = {4, 6}}));
 //
 // Deterministic: the same samples and options give the same bits. Thread-safe:
 // a free function without state.
@@ -22,8 +23,7 @@
 namespace tactus::internal {
 
 struct NearestOptions {
-  int rows = 0;
-  int columns = 0;
+  TaxelShape shape;
   int classes = 0;
   // Called between the parts of the work; an error ends it.
   std::function<absl::Status()> go_on = [] { return absl::OkStatus(); };

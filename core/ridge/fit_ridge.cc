@@ -212,11 +212,17 @@ Matrix Penalised(Matrix kernel, double penalty) {
   return kernel;
 }
 
+struct Penalty {
+  double penalty = 0;
+  // What left-out contacts lose.
+  double log_loss = std::numeric_limits<double>::infinity();
+};
+
 // The best penalty for whole contacts. `kernel` is that of all rows.
-absl::StatusOr<double> ChoosePenalty(std::span<const HistorySample> samples,
-                                     const Matrix& kernel,
-                                     const Eigen::RowVectorXd& share,
-                                     const RidgeOptions& options) {
+absl::StatusOr<Penalty> ChoosePenalty(std::span<const HistorySample> samples,
+                                      const Matrix& kernel,
+                                      const Eigen::RowVectorXd& share,
+                                      const RidgeOptions& options) {
   const auto count = static_cast<Eigen::Index>(samples.size());
   std::vector<Eigen::Index> whole(count);
   for (Eigen::Index s = 0; s < count; ++s) {
@@ -227,29 +233,31 @@ absl::StatusOr<double> ChoosePenalty(std::span<const HistorySample> samples,
   const auto groups = ContactsOfGroups(samples);
   const double scale =
       std::max(of_wholes.trace() / static_cast<double>(count), 1e-12);
-  double least = std::numeric_limits<double>::infinity();
-  double best = 0;
+  Penalty best;
   for (const double penalty : kPenalties) {
     const Eigen::LLT<Matrix> cholesky(Penalised(of_wholes, penalty * scale));
     const Matrix inverse = cholesky.solve(Matrix::Identity(count, count));
     const double loss =
         LogLossOf(LeftOut(inverse, inverse * wanted, wanted, groups), samples);
     TACTUS_RETURN_IF_ERROR(options.go_on());
-    if (loss >= least) continue;
-    least = loss;
-    best = penalty * scale;
+    if (loss < best.log_loss) best = {penalty * scale, loss};
   }
   return best;
 }
 
-}  // namespace
-
-absl::StatusOr<Ridge> FitRidge(std::span<const HistorySample> samples,
-                               const RidgeOptions& options) {
+struct Candidate {
   Ridge ridge;
+  // What left-out contacts lose.
+  double log_loss = 0;
+};
+
+absl::StatusOr<Candidate> FitTo(const TaxelShape& shape,
+                                std::span<const HistorySample> samples,
+                                const RidgeOptions& options) {
+  Candidate candidate;
+  Ridge& ridge = candidate.ridge;
   HistorySpec& spec = ridge.history;
-  static_cast<FrameViews&>(spec) =
-      FitViews(samples, options.rows, options.columns);
+  static_cast<FrameViews&>(spec) = FitViews(samples, shape);
   DrawMixtures(options.seed, spec);
   FitThresholds(samples, options.seed, spec);
   TACTUS_RETURN_IF_ERROR(options.go_on());
@@ -271,9 +279,11 @@ absl::StatusOr<Ridge> FitRidge(std::span<const HistorySample> samples,
   Eigen::RowVectorXd share = Eigen::RowVectorXd::Zero(options.classes);
   for (const HistorySample& sample : samples) share[sample.label] += 1;
   share /= static_cast<double>(samples.size());
-  TACTUS_ASSIGN_OR_RETURN(const double penalty,
+  TACTUS_ASSIGN_OR_RETURN(const Penalty chosen,
                           ChoosePenalty(samples, kernel, share, options));
-  const Eigen::LLT<Matrix> cholesky(Penalised(std::move(kernel), penalty));
+  candidate.log_loss = chosen.log_loss;
+  const Eigen::LLT<Matrix> cholesky(
+      Penalised(std::move(kernel), chosen.penalty));
   const Matrix alpha = cholesky.solve(Indicators(samples, kPartCount, share));
   const Rows weight = alpha.transpose().cast<float>() * rows;
   ridge.weight.assign(weight.data(), weight.data() + weight.size());
@@ -282,7 +292,20 @@ absl::StatusOr<Ridge> FitRidge(std::span<const HistorySample> samples,
     for (size_t i = 0; i < block.size(); ++i) of_class[i] *= block[i];
     ridge.bias.push_back(static_cast<float>(share[k]));
   }
-  return ridge;
+  return candidate;
+}
+
+}  // namespace
+
+absl::StatusOr<Ridge> FitRidge(std::span<const HistorySample> samples,
+                               const RidgeOptions& options) {
+  TACTUS_ASSIGN_OR_RETURN(
+      Candidate best,
+      FitTo(WithoutComponents(options.shape), samples, options));
+  if (options.shape == WithoutComponents(options.shape)) return best.ridge;
+  TACTUS_ASSIGN_OR_RETURN(Candidate all,
+                          FitTo(options.shape, samples, options));
+  return all.log_loss < best.log_loss ? all.ridge : best.ridge;
 }
 
 }  // namespace tactus::internal

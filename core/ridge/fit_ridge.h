@@ -4,14 +4,17 @@
 // solved in the dual because there are more numbers than contacts.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const Ridge ridge,
-//                           FitRidge(samples, {.rows = 4, .columns = 6}));
+//                           FitRidge(samples, {.shape = {4, 6}}));
 //
 // Each contact gives the numbers of its first quarter, of its first half and of
 // all of it, so that the ridge answers at any time. Several strengths of the
 // penalty are tried on left-out contacts, and the one with the least log loss
-// is taken. Answers to left-out contacts have a closed form. Source: S. An et
-// al., "Fast Cross-Validation Algorithms for Least Squares Support Vector
-// Machine and Kernel Ridge Regression" (Pattern Recognition 40, 2007).
+// is taken. If there are components (core/taxels/components.h), a fit to them
+// and the loads is compared with one to the loads alone in the same way: on
+// another day they can mislead. Answers to left-out contacts have a closed
+// form. Source: S. An et al., "Fast Cross-Validation Algorithms for Least
+// Squares Support Vector Machine and Kernel Ridge Regression" (Pattern
+// Recognition 40, 2007).
 //
 // Deterministic: the same samples and options give the same bits. Thread-safe:
 // free functions without state.
@@ -29,8 +32,7 @@
 namespace tactus::internal {
 
 struct RidgeOptions {
-  int rows = 0;
-  int columns = 0;
+  TaxelShape shape;
   int classes = 0;
   uint64_t seed = 1;
   // Called between the parts of the work; an error ends it.

@@ -21,7 +21,8 @@ namespace tactus::internal {
 
 // A contact as the fits take it.
 struct HistorySample {
-  // The touched taxels of each touched frame; at least one frame.
+  // The touched taxels of each touched frame, and its components; at least one
+  // frame.
   std::vector<std::span<const TaxelLoad>> frames;
   int label = 0;
   // Contacts of one group are left out together when something is chosen.
@@ -34,9 +35,10 @@ inline constexpr std::array<double, 3> kHistoryParts = {0.25, 0.5, 1};
 // The frame, from 1, that ends a part of a contact.
 size_t EndOf(double part, size_t frames);
 
-// The views of a skin. Each view's scale is one over the root of the mean
-// square of its channels that are not 0.
-FrameViews FitViews(std::span<const HistorySample> samples, int rows,
-                    int columns);
+// The views of frames of this shape. Each view's scale is one over the root of
+// the mean square of its channels of taxels that are not 0, and an auxiliary
+// component's scale is one over that of its values.
+FrameViews FitViews(std::span<const HistorySample> samples,
+                    const TaxelShape& shape);
 
 }  // namespace tactus::internal

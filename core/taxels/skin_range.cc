@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
+#include "core/taxels/components.h"
 
 namespace tactus::internal {
 namespace {
@@ -44,7 +45,8 @@ void ContactLoads::Reset() {
 
 void ContactLoads::Step(std::span<const TaxelLoad> loads) {
   ++frames_;
-  for (const TaxelLoad& load : loads) {
+  for (const TaxelLoad& load :
+       WithoutComponents(loads, static_cast<int>(sum_.size()))) {
     sum_[load.taxel] += static_cast<double>(load.root) * load.root;
   }
 }

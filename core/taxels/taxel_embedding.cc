@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/taxels/components.h"
 
 namespace tactus::internal {
 absl::Status Validate(const TaxelEmbedding& embedding) {
@@ -42,7 +43,7 @@ void EmbeddingTracker::Step(std::span<const TaxelLoad> loads) {
   const int count = dimensions();
   if (count == 0) return;
   std::array<double, 2 * kMaxEmbedding> sums = {};
-  for (const TaxelLoad& load : loads) {
+  for (const TaxelLoad& load : WithoutComponents(loads, embedding_->taxels)) {
     const float* weights = &embedding_->weights[size_t{2} * load.taxel * count];
     for (int i = 0; i < 2 * count; ++i) {
       sums[i] += static_cast<double>(weights[i]) * load.root;

@@ -1,7 +1,8 @@
 // File: taxel_load.h
 //
-// TaxelLoad: one touched taxel of a frame. A frame's touched taxels are a list
-// of these, by rising index.
+// TaxelLoad: one touched taxel of a frame, or a component of one
+// (components.h). A frame's touched taxels are a list of these, by rising
+// index.
 //
 //   std::vector<TaxelLoad> loads = {{.taxel = 17, .root = 0.5F}};
 //
@@ -13,7 +14,7 @@
 namespace tactus::internal {
 
 struct TaxelLoad {
-  // Row-major.
+  // Row-major; components follow.
   uint32_t taxel = 0;
   // The square root of the load, in the square root of the layout's unit. The
   // root makes the spread independent of the load, because larger loads vary

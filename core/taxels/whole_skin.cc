@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/taxels/components.h"
+
 namespace tactus::internal {
 namespace {
 
@@ -34,7 +36,8 @@ double WholeSkinTracker::Weight(double window) const {
   return 1 / std::min(static_cast<double>(frames_), window);
 }
 
-void WholeSkinTracker::Step(std::span<const TaxelLoad> loads) {
+void WholeSkinTracker::Step(std::span<const TaxelLoad> all) {
+  const auto loads = WithoutComponents(all, static_cast<int>(pattern_.size()));
   ++frames_;
   double force = 0;
   for (const TaxelLoad& load : loads) {

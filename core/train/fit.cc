@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -391,8 +392,11 @@ absl::Status AddWarmUp(const std::vector<const LabelledContact*>& contacts,
     trial.samples.push_back(frame.sample);
     trial.samples.back().loads = {};
     if (TaxelsNeeded(model) == 0) continue;
-    trial.loads.insert(trial.loads.end(), frame.sample.loads.begin(),
-                       frame.sample.loads.end());
+    std::span<const TaxelLoad> loads = frame.sample.loads;
+    if (!NeedsComponents(model)) {
+      loads = WithoutComponents(loads, TaxelsNeeded(model));
+    }
+    trial.loads.insert(trial.loads.end(), loads.begin(), loads.end());
     trial.load_ends.push_back(static_cast<uint32_t>(trial.loads.size()));
   }
   return AnswerWarmUp(model);

@@ -31,25 +31,28 @@ template <class Archive>
 void Fields(Archive& archive, Ridge& ridge) {
   HistorySpec& history = ridge.history;
   for (float& scale : history.scale) archive(scale);
-  archive(history.rows, history.columns, history.block, history.mixed_channel,
-          history.mixed_weight, history.threshold, ridge.offset, ridge.gain,
-          ridge.weight, ridge.bias);
+  archive(history.rows, history.columns, history.block, history.planes,
+          history.auxiliary_scale, history.mixed_channel, history.mixed_weight,
+          history.threshold, ridge.offset, ridge.gain, ridge.weight,
+          ridge.bias);
 }
 
 template <class Archive>
 void Fields(Archive& archive, Trees& trees) {
   HistorySpec& history = trees.history;
   for (float& scale : history.scale) archive(scale);
-  archive(history.rows, history.columns, history.block, trees.classes,
-          trees.number, trees.threshold, trees.child, trees.root);
+  archive(history.rows, history.columns, history.block, history.planes,
+          history.auxiliary_scale, trees.classes, trees.number, trees.threshold,
+          trees.child, trees.root);
 }
 
 template <class Archive>
 void Fields(Archive& archive, Nearest& nearest) {
   FrameViews& views = nearest.views;
   for (float& scale : views.scale) archive(scale);
-  archive(views.rows, views.columns, views.block, nearest.view, nearest.gain,
-          nearest.sample, nearest.label, nearest.classes);
+  archive(views.rows, views.columns, views.block, views.planes,
+          views.auxiliary_scale, nearest.view, nearest.gain, nearest.sample,
+          nearest.label, nearest.classes);
 }
 
 template <class Archive>

@@ -64,8 +64,7 @@ absl::StatusOr<Ridge> FitContactRidge(
       run, part, contacts, progress,
       [&](const std::vector<HistorySample>& samples) {
         return FitRidge(samples,
-                        {.rows = layout.rows,
-                         .columns = layout.columns,
+                        {.shape = ShapeOf(layout),
                          .classes = static_cast<int>(run.class_names.size()),
                          .seed = run.options.seed,
                          .go_on = [&] { return run.GoOn(); }});
@@ -81,8 +80,7 @@ absl::StatusOr<Trees> FitContactTrees(
       run, part, contacts, progress,
       [&](const std::vector<HistorySample>& samples) {
         return FitTrees(samples,
-                        {.rows = layout.rows,
-                         .columns = layout.columns,
+                        {.shape = ShapeOf(layout),
                          .classes = static_cast<int>(run.class_names.size()),
                          .seed = run.options.seed,
                          .go_on = [&] { return run.GoOn(); }});
@@ -98,8 +96,7 @@ absl::StatusOr<Nearest> FitContactNearest(
       run, part, contacts, progress,
       [&](const std::vector<HistorySample>& samples) {
         return FitNearest(samples,
-                          {.rows = layout.rows,
-                           .columns = layout.columns,
+                          {.shape = ShapeOf(layout),
                            .classes = static_cast<int>(run.class_names.size()),
                            .go_on = [&] { return run.GoOn(); }});
       });

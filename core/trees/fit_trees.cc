@@ -193,8 +193,7 @@ class Grower {
 absl::StatusOr<Trees> FitTrees(std::span<const HistorySample> samples,
                                const TreesOptions& options) {
   Trees trees;
-  static_cast<FrameViews&>(trees.history) =
-      FitViews(samples, options.rows, options.columns);
+  static_cast<FrameViews&>(trees.history) = FitViews(samples, options.shape);
   trees.classes = options.classes;
   const Table table = MakeTable(samples, trees.history);
   Grower grower(table, options.classes, trees);

@@ -6,7 +6,7 @@
 // half and of all of it.
 //
 //   TACTUS_ASSIGN_OR_RETURN(const Trees trees,
-//                           FitTrees(samples, {.rows = 4, .columns = 6}));
+//                           FitTrees(samples, {.shape = {4, 6}}));
 //
 // Deterministic: the same samples and options give the same bits. Thread-safe:
 // a free function without state.
@@ -24,8 +24,7 @@
 namespace tactus::internal {
 
 struct TreesOptions {
-  int rows = 0;
-  int columns = 0;
+  TaxelShape shape;
   int classes = 0;
   int trees = 200;
   uint64_t seed = 1;

@@ -42,6 +42,8 @@ struct Variant {
   // folds are stratified.
   bool stratified = false;
   bool holds = true;
+  // Axes and signs are left out (core/taxels/components.h).
+  bool loads_alone = false;
 };
 
 constexpr Variant kVariants[] = {
@@ -54,6 +56,7 @@ constexpr Variant kVariants[] = {
      .stratified = true},
     {.name = "`ridge`", .preset = "ridge"},
     {.name = "`ridge`, answers never hold", .preset = "ridge", .holds = false},
+    {.name = "`ridge`, loads alone", .preset = "ridge", .loads_alone = true},
     {.name = "`trees`", .preset = "trees"},
     {.name = "`nearest`", .preset = "nearest"},
 };
@@ -85,6 +88,15 @@ Contacts WithoutGroups(Contacts contacts) {
   for (LabelledContact& contact : contacts) {
     contact.material.clear();
     contact.condition.clear();
+  }
+  return contacts;
+}
+
+Contacts LoadsAlone(Contacts contacts) {
+  for (LabelledContact& contact : contacts) {
+    contact.layout.axes = 1;
+    contact.layout.normal_axis.reset();
+    contact.layout.signed_values = false;
   }
   return contacts;
 }
@@ -178,6 +190,7 @@ absl::Status Run(const AblationFlags& flags) {
                           ParseProtocol(flags.protocol, flags.folds));
   TACTUS_ASSIGN_OR_RETURN(const Contacts contacts, Load(flags.data));
   const Contacts without_groups = WithoutGroups(contacts);
+  const Contacts loads_alone = LoadsAlone(contacts);
   const Pointers all =
       Select(contacts, Complement({}, static_cast<int>(contacts.size())));
   TACTUS_ASSIGN_OR_RETURN(const auto folds, MakeFolds(all, protocol));
@@ -190,8 +203,10 @@ absl::Status Run(const AblationFlags& flags) {
     TACTUS_ASSIGN_OR_RETURN(
         const Answers answers,
         TestAll(variant, options,
-                variant.stratified ? without_groups : contacts, contacts,
-                folds));
+                variant.stratified    ? without_groups
+                : variant.loads_alone ? loads_alone
+                                      : contacts,
+                variant.loads_alone ? loads_alone : contacts, folds));
     PrintRow(variant, answers);
   }
   return absl::OkStatus();

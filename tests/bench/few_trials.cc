@@ -73,21 +73,18 @@ class FewTrialsBenchmark : public Benchmark {
       const MadeContacts made = MakeContacts(quick ? 40 : 300, classes, 1);
       TACTUS_RETURN_IF_ERROR(
           (Measure<Ridge, RidgeScorer>("ridge", made, classes, [&](int of) {
-            return FitRidge(
-                made.samples,
-                {.rows = kSkinRows, .columns = kSkinColumns, .classes = of});
+            return FitRidge(made.samples, {.shape = {kSkinRows, kSkinColumns},
+                                           .classes = of});
           })));
       TACTUS_RETURN_IF_ERROR(
           (Measure<Trees, TreesScorer>("trees", made, classes, [&](int of) {
-            return FitTrees(
-                made.samples,
-                {.rows = kSkinRows, .columns = kSkinColumns, .classes = of});
+            return FitTrees(made.samples, {.shape = {kSkinRows, kSkinColumns},
+                                           .classes = of});
           })));
       TACTUS_RETURN_IF_ERROR((Measure<Nearest, NearestScorer>(
           "nearest", made, classes, [&](int of) {
-            return FitNearest(
-                made.samples,
-                {.rows = kSkinRows, .columns = kSkinColumns, .classes = of});
+            return FitNearest(made.samples, {.shape = {kSkinRows, kSkinColumns},
+                                             .classes = of});
           })));
     }
     return rows_;

@@ -25,6 +25,7 @@
 #include "core/skin/normal_loads.h"
 #include "core/skin/pose_spacing.h"
 #include "core/skin/taxel_values.h"
+#include "core/taxels/components.h"
 #include "core/taxels/skin_range.h"
 #include "core/taxels/taxel_embedding.h"
 #include "core/taxels/whole_skin.h"
@@ -47,6 +48,12 @@ static void ContactTrackerExample(const SkinLayout& layout,
                                   std::span<const FrameView> frames,
                                   SomeModel& model) {
 #include "core/features/contact_tracker.h.inc"
+}
+
+static void ComponentsExample(const SkinLayout& layout, const FrameView& frame,
+                              std::span<const uint64_t> touched_rows,
+                              std::vector<TaxelLoad>& loads) {
+#include "core/taxels/components.h.inc"
 }
 
 static void SkinTrackerExample(const SkinLayout& layout,

@@ -51,7 +51,7 @@ Touches MakeTouches(int classes, int of_each, uint64_t seed) {
 }
 
 NearestOptions OptionsFor(int classes) {
-  return {.rows = kRows, .columns = kColumns, .classes = classes};
+  return {.shape = {kRows, kColumns}, .classes = classes};
 }
 
 // The means of a view over ten stretches of a contact of 10 n frames.
@@ -191,8 +191,7 @@ TEST(NearestTest, TooManyNumbersAreRefused) {
   Touches touches = MakeTouches(2, 1, 8);
   std::vector<HistorySample> many;
   for (int i = 0; i < 1000; ++i) many.push_back(touches.samples[i % 2]);
-  const auto nearest =
-      FitNearest(many, {.rows = 20, .columns = 20, .classes = 2});
+  const auto nearest = FitNearest(many, {.shape = {20, 20}, .classes = 2});
   EXPECT_EQ(ReasonOf(nearest.status()), "INVALID_TRAINING_DATA");
 }
 

@@ -45,7 +45,7 @@ Touches MakeTouches(int classes, int of_each, double noise, uint64_t seed) {
 }
 
 RidgeOptions OptionsFor(int classes) {
-  return {.rows = kRows, .columns = kColumns, .classes = classes};
+  return {.shape = {kRows, kColumns}, .classes = classes};
 }
 
 int RightOf(const Ridge& ridge, const Touches& touches) {

@@ -27,7 +27,7 @@ inline HistorySpec RandomSpec(int rows, int columns, Random& random) {
   HistorySpec spec;
   spec.rows = rows;
   spec.columns = columns;
-  spec.block = HistoryBlock(rows, columns);
+  spec.block = HistoryBlock(spec.shape());
   spec.scale = {0.5F, 2, 0.25F};
   const size_t mixed = size_t{kFrameViews} * kMiniKernels * kMiniMixed;
   for (size_t i = 0; i < mixed; ++i) {

@@ -107,7 +107,7 @@ Model ModelWithSkinRange() {
   Nearest& nearest = model.nearest.emplace();
   nearest.views.rows = model.layout.rows;
   nearest.views.columns = model.layout.columns;
-  nearest.views.block = HistoryBlock(model.layout.rows, model.layout.columns);
+  nearest.views.block = HistoryBlock(nearest.views.shape());
   nearest.classes = model.classes();
   nearest.gain.assign(nearest.numbers(), 1);
   nearest.sample.assign(nearest.numbers() * model.classes(), 0);

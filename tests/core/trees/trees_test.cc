@@ -48,7 +48,7 @@ Touches MakeTouches(int count, uint64_t seed) {
 }
 
 TreesOptions Options() {
-  return {.rows = kRows, .columns = kColumns, .classes = 2, .trees = 100};
+  return {.shape = {kRows, kColumns}, .classes = 2, .trees = 100};
 }
 
 TEST(TreesTest, FindWhatNoNumberTellsAlone) {
