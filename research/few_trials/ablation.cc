@@ -28,6 +28,7 @@
 #include "core/eval/evaluate.h"
 #include "core/eval/metrics.h"
 #include "core/eval/unknown.h"
+#include "core/taxels/components.h"
 #include "core/train/fit.h"
 
 namespace tactus::internal {
@@ -196,7 +197,10 @@ absl::Status Run(const AblationFlags& flags) {
   TACTUS_ASSIGN_OR_RETURN(const auto folds, MakeFolds(all, protocol));
   TACTUS_RETURN_IF_ERROR(CheckFolds(all, folds, protocol));
   PrintHead(contacts.size());
+  const TaxelShape shape = ShapeOf(contacts.front().layout);
+  const bool loads_are_all = shape == WithoutComponents(shape);
   for (const Variant& variant : kVariants) {
+    if (variant.loads_alone && loads_are_all) continue;
     absl::FPrintF(stderr, "few-trials-ablation: %s\n", variant.name);
     TACTUS_ASSIGN_OR_RETURN(const FitOptions options,
                             OptionsOf(variant, protocol, flags.seed));
