@@ -12,6 +12,10 @@
 namespace tactus::internal::server {
 namespace {
 
+// In case that a job could not be taken when its server was gone, because the
+// database was away.
+constexpr int kBeatsPerLook = 10;
+
 // What follows the slash of a replica's name.
 std::string IdOf(const std::string& name) {
   return name.substr(name.find('/') + 1);
@@ -95,10 +99,11 @@ void TrainingBackend::Start() {
   });
   if (runs_jobs_) jobs_.Start();
   if (replica() == nullptr) return;
-  // A job whose server has died is no news of the catalogue.
-  replica()->Start([this] {
+  // A job whose server has died is no news of the catalogue. A look reads all
+  // jobs, so it is not made at each beat.
+  replica()->Start([this, beats = 0](bool gone) mutable {
     parts_.locks->ReleaseAgain();
-    jobs_.Wake();
+    if (++beats % kBeatsPerLook == 0 || gone) jobs_.Wake();
   });
   news_ = std::make_unique<CatalogNews>(catalog_, [this] { OnNews(); });
 }

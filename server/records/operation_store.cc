@@ -1,5 +1,6 @@
 #include "server/records/operation_store.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -262,20 +263,22 @@ absl::StatusOr<Page<Operation>> OperationStore::List(
   return page;
 }
 
-absl::StatusOr<std::vector<std::string>> OperationStore::InState(
-    Operation::State state) const {
-  std::vector<std::string> names;
+absl::StatusOr<std::vector<Operation>> OperationStore::InStates(
+    const std::vector<Operation::State>& states) const {
+  std::vector<Operation> found;
   TACTUS_RETURN_IF_ERROR(
       data_->catalog().Look([&](const Transaction& look) -> absl::Status {
-        return VisitRecords<Operation>(look, Table::kOperations, {},
-                                       [&](const Operation& operation) {
-                                         if (operation.state() == state) {
-                                           names.push_back(operation.name());
-                                         }
-                                         return absl::OkStatus();
-                                       });
+        // A transaction that met another one runs again.
+        found.clear();
+        return VisitRecords<Operation>(
+            look, Table::kOperations, {}, [&](const Operation& operation) {
+              if (std::ranges::count(states, operation.state()) > 0) {
+                found.push_back(operation);
+              }
+              return absl::OkStatus();
+            });
       }));
-  return names;
+  return found;
 }
 
 absl::StatusOr<std::vector<v1::LearningPoint>> OperationStore::Points(

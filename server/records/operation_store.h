@@ -84,9 +84,9 @@ class OperationStore {
   absl::StatusOr<Page<v1::Operation>> List(int page_size,
                                            absl::string_view page_token,
                                            v1::Operation::State state) const;
-  // Names of operations in `state`, the oldest first.
-  absl::StatusOr<std::vector<std::string>> InState(
-      v1::Operation::State state) const;
+  // Operations that are in one of `states`, the oldest first.
+  absl::StatusOr<std::vector<v1::Operation>> InStates(
+      const std::vector<v1::Operation::State>& states) const;
   absl::StatusOr<std::vector<v1::LearningPoint>> Points(
       absl::string_view name) const;
 

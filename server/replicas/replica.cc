@@ -48,14 +48,13 @@ Replica::~Replica() {
       .IgnoreError();
 }
 
-void Replica::Start(std::function<void()> on_beat) {
+void Replica::Start(std::function<void(bool gone)> on_beat) {
   thread_ = std::thread([this, on_beat = std::move(on_beat)] {
     std::unique_lock lock(mutex_);
     while (!stopping_) {
       lock.unlock();
       Beat();
-      Look();
-      on_beat();
+      on_beat(Look());
       lock.lock();
       changed_.wait_for(lock, pace_.beat, [&] { return stopping_; });
     }
@@ -101,7 +100,7 @@ void Replica::Beat() {
   if (given.ok()) last_beat_ = now;
 }
 
-void Replica::Look() {
+bool Replica::Look() {
   std::vector<CatalogEntry> beats;
   const absl::Status looked =
       catalog_->Look([&](const Transaction& look) -> absl::Status {
@@ -116,7 +115,7 @@ void Replica::Look() {
   if (blind) {
     for (auto& [name, pulse] : pulses_) pulse.changed = now;
   }
-  if (!looked.ok()) return;
+  if (!looked.ok()) return false;
   std::map<std::string, Pulse, std::less<>> pulses;
   for (const CatalogEntry& entry : beats) {
     const auto before = pulses_.find(entry.key);
@@ -124,7 +123,19 @@ void Replica::Look() {
         before != pulses_.end() && before->second.beat == entry.value;
     pulses[entry.key] = {entry.value, same ? before->second.changed : now};
   }
+  bool gone = false;
+  for (const auto& [name, pulse] : pulses_) {
+    gone = gone || (!pulses.contains(name) && !dead_.contains(name));
+  }
+  std::set<std::string> dead;
+  for (const auto& [name, pulse] : pulses) {
+    if (name == about_.name() || now - pulse.changed < pace_.dead) continue;
+    gone = gone || !dead_.contains(name);
+    dead.insert(name);
+  }
   pulses_ = std::move(pulses);
+  dead_ = std::move(dead);
+  return gone;
 }
 
 std::chrono::milliseconds Replica::SilenceOf(absl::string_view name) const {

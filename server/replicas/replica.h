@@ -5,7 +5,7 @@
 // the others do.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto self, Replica::Register(catalog, about, {}));
-//   self->Start([] { LookAgain(); });      // after news of the catalogue
+//   self->Start([](bool gone) { if (gone) LookForTheirJobs(); });
 //   if (self->IsDead("replicas/3")) TakeOver();
 //   TACTUS_RETURN_IF_ERROR(self->SayServed(change));
 //   TACTUS_ASSIGN_OR_RETURN(const auto lagging,
@@ -26,6 +26,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -63,8 +64,9 @@ class Replica {
   const std::string& name() const { return about_.name(); }
 
   // Begins to give signs of life. `on_beat` follows each of them, on the same
-  // thread.
-  void Start(std::function<void()> on_beat);
+  // thread. `gone`: since the last one, another process has ended or has been
+  // silent for so long that it is taken for dead.
+  void Start(std::function<void(bool gone)> on_beat);
   void Stop();
   // The catalogue may have changed: ends waits.
   void OnNews();
@@ -95,7 +97,8 @@ class Replica {
   Replica(Catalog* catalog, v1::StoredReplica about, const Pace& pace)
       : catalog_(catalog), about_(std::move(about)), pace_(pace) {}
   void Beat();
-  void Look();
+  // True if a process is gone that was not gone before.
+  bool Look();
   // How long a process has been silent; 0 for one that is not known.
   std::chrono::milliseconds SilenceOf(absl::string_view name) const;
 
@@ -113,6 +116,8 @@ class Replica {
   bool stopping_ = false;
   // All processes' signs of life, by name.
   std::map<std::string, Pulse, std::less<>> pulses_;
+  // Those that the last Look took for dead.
+  std::set<std::string> dead_;
   Time last_look_;
   std::thread thread_;
 };

@@ -17,6 +17,7 @@
 namespace tactus::internal::server::replicas_examples {
 
 void LookAgain();
+void LookForTheirJobs();
 void TakeOver();
 void Reload();
 

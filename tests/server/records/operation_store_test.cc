@@ -86,7 +86,7 @@ TEST_F(OperationStoreTest, ListsTheNewestFirstInPages) {
       EXPECT_TRUE(std::is_sorted(numbers.rbegin(), numbers.rend()));
     }
   }
-  EXPECT_EQ(operations().InState(Operation::STATE_FAILED)->size(), 3u);
+  EXPECT_EQ(operations().InStates({Operation::STATE_FAILED})->size(), 3u);
 }
 
 TEST_F(OperationStoreTest, StatesAfterARestart) {

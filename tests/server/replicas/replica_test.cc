@@ -1,5 +1,7 @@
 #include "server/replicas/replica.h"
 
+#include <atomic>
+
 #include "gmock/gmock.h"
 #include "tests/server/replicas/shared_catalog.h"
 
@@ -44,6 +46,45 @@ TEST_F(ReplicaTest, AProcessThatEndsIsGoneAtOnce) {
   b.reset();
   EXPECT_TRUE(Eventually([&] { return a->All()->size() == 1; }));
   EXPECT_TRUE(Eventually([&] { return !IsAlive(*a, name); }));
+}
+
+// Whoever is gone may leave a job: its looks at all jobs are worth it then, and
+// only then.
+TEST_F(ReplicaTest, IsToldOnceOfEachThatIsGone) {
+  std::atomic<int> beats = 0;
+  std::atomic<int> gone = 0;
+  v1::StoredReplica about;
+  about.set_address("here:1");
+  auto a = Replica::Register(catalog_.get(), about, kQuickPace);
+  ASSERT_TRUE(a.ok()) << a.status();
+  const auto silent = Join();
+  auto ended = Join();
+  (*a)->Start([&](bool one_is_gone) {
+    ++beats;
+    if (one_is_gone) ++gone;
+  });
+  const auto ten_beats_pass = [&] {
+    const int before = beats;
+    return Eventually([&] { return beats >= before + 10; });
+  };
+  ASSERT_TRUE(ten_beats_pass());
+  EXPECT_EQ(gone, 0);
+  ended.reset();
+  EXPECT_TRUE(Eventually([&] { return gone == 1; }));
+  silent->Stop();
+  EXPECT_TRUE(Eventually([&] { return gone == 2; }));
+  EXPECT_TRUE((*a)->IsDead(silent->name()));
+  // It stays dead, and one that is dead ends as nothing new.
+  ASSERT_TRUE(ten_beats_pass());
+  EXPECT_EQ(gone, 2);
+  ASSERT_TRUE(catalog_
+                  ->Change([&](Transaction& change) {
+                    return change.Erase(Table::kBeats, silent->name());
+                  })
+                  .ok());
+  ASSERT_TRUE(ten_beats_pass());
+  EXPECT_EQ(gone, 2);
+  (*a)->Stop();
 }
 
 // Nobody could speak while the database was away, longer than the dead are

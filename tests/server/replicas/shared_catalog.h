@@ -48,7 +48,7 @@ class SharedCatalogTest : public ::testing::Test {
     about.set_address(address);
     auto replica = Replica::Register(catalog_.get(), about, kQuickPace);
     EXPECT_TRUE(replica.ok()) << replica.status();
-    (*replica)->Start([] {});
+    (*replica)->Start([](bool) {});
     return *std::move(replica);
   }
 

@@ -223,7 +223,7 @@ TEST_F(SharedStoresTest, AServerThatIsSilentIsNamed) {
   deaf.set_address("there:1");
   auto replica = Replica::Register(catalog_.get(), deaf, kQuickPace);
   ASSERT_TRUE(replica.ok());
-  (*replica)->Start([] {});
+  (*replica)->Start([](bool) {});
   ASSERT_TRUE(Eventually(
       [&] { return IsAlive(*a->backend->replica(), "replicas/3"); }));
   v1::PromoteSpec spec;
