@@ -327,6 +327,7 @@ int Main(int argc, char** argv) {
                  "Folder for datasets, jobs and models; without it, the server "
                  "only classifies");
   flags.training.AddCatalog(app);
+  flags.training.AddBlobCache(app);
   flags.training.AddJobs({"local", "slurm", "none"}, app);
   flags.training.AddQuotas(app);
   app.add_option("--keep-contacts", flags.keep_contacts,

@@ -58,6 +58,18 @@ void TrainingFlags::AddCatalog(CLI::App& app) {
   folder->needs(address);
 }
 
+void TrainingFlags::AddBlobCache(CLI::App& app) {
+  app.add_option("--blob-cache", blob_cache,
+                 "With --catalog: keep copies of the blobs that were read in "
+                 "the data directory, in so many bytes, such as 1G, so that "
+                 "they are not read again from the shared folder")
+      ->needs("--catalog")
+      ->needs("--data-dir")
+      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+      ->check(
+          CLI::Range(static_cast<uint64_t>(kBytesPerMb), uint64_t{1} << 50));
+}
+
 void TrainingFlags::AddJobs(const std::vector<std::string>& who,
                             CLI::App& app) {
   app.add_option("--jobs", jobs,
@@ -191,7 +203,10 @@ TrainingBackend::Options TrainingFlags::Options(
         asked ? job_threads : 1;
   }
   return {.folder = catalog.empty() ? data_dir : blobs,
-          .shared = {.catalog = catalog, .address = address},
+          .shared = {.catalog = catalog,
+                     .address = address,
+                     .own_folder = data_dir,
+                     .blob_cache_bytes = static_cast<int64_t>(blob_cache)},
           .runs_jobs = jobs != "none",
           .jobs = {.process = process,
                    .training_launcher = launcher,

@@ -34,6 +34,8 @@ struct TrainingFlags {
   std::string data_dir;
   std::string catalog;
   std::string blobs;
+  // Bytes; 0: no blobs are kept here.
+  uint64_t blob_cache = 0;
   std::string jobs = "local";
   std::string trainer;
   int64_t job_memory_mb = 0;
@@ -50,6 +52,8 @@ struct TrainingFlags {
 
   // --catalog and --blobs.
   void AddCatalog(CLI::App& app);
+  // --blob-cache, which lies in the data directory beside --catalog.
+  void AddBlobCache(CLI::App& app);
   // Who runs jobs, one of `who`, and how.
   void AddJobs(const std::vector<std::string>& who, CLI::App& app);
   // What each client may have, and which jobs are kept.

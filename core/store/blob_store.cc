@@ -71,10 +71,18 @@ absl::StatusOr<bool> BlobStore::Has(const std::string& sha256) const {
 
 absl::StatusOr<std::string> BlobStore::Read(const std::string& sha256,
                                             int64_t limit) const {
-  return ReadBlobFile(files_, PathOf(sha256), sha256, limit);
+  if (cache_ == nullptr) {
+    return ReadBlobFile(files_, PathOf(sha256), sha256, limit);
+  }
+  if (auto copy = cache_->Find(sha256, limit)) return *std::move(copy);
+  TACTUS_ASSIGN_OR_RETURN(std::string bytes,
+                          ReadBlobFile(files_, PathOf(sha256), sha256, limit));
+  cache_->Keep(sha256, bytes);
+  return bytes;
 }
 
 absl::Status BlobStore::Remove(const std::string& sha256) {
+  if (cache_ != nullptr) cache_->Remove(sha256);
   if (name_.empty()) return files_.Remove(PathOf(sha256));
   TACTUS_ASSIGN_OR_RETURN(const bool exists, Has(sha256));
   if (!exists) return absl::OkStatus();
@@ -144,8 +152,10 @@ absl::StatusOr<std::string> BlobStore::Batch::Add(absl::string_view bytes) {
   used_ = true;
   if (drafts_.contains(sha256)) return sha256;
   TACTUS_ASSIGN_OR_RETURN(const bool known, store_->Has(sha256));
-  // A damaged blob is written again.
-  if (known && store_->Read(sha256, static_cast<int64_t>(bytes.size())).ok()) {
+  // A damaged blob is written again, also if the cache has a sound copy.
+  if (known && ReadBlobFile(store_->files_, store_->PathOf(sha256), sha256,
+                            static_cast<int64_t>(bytes.size()))
+                   .ok()) {
     return sha256;
   }
   drafts_.insert(sha256);

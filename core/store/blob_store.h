@@ -21,12 +21,14 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "core/store/blob_cache.h"
 #include "core/store/file_system.h"
 
 namespace tactus::internal {
@@ -77,7 +79,13 @@ class BlobStore {
   Batch NewBatch();
 
   absl::StatusOr<bool> Has(const std::string& sha256) const;
-  // DATA_LOST if the blob does not exist or its bytes do not have this SHA-256.
+  // Reads of whole blobs use it from now on. Call it before other threads use
+  // the store.
+  void UseCache(std::unique_ptr<BlobCache> cache) { cache_ = std::move(cache); }
+  // Null without one.
+  const BlobCache* cache() const { return cache_.get(); }
+  // DATA_LOST if the blob does not exist or its bytes do not have this SHA-256;
+  // a copy in the cache is as good as the blob.
   absl::StatusOr<std::string> Read(const std::string& sha256,
                                    int64_t limit) const;
   // Removes a blob; OK if it does not exist.
@@ -106,6 +114,7 @@ class BlobStore {
   const std::string folder_;
   // This process among those that share the directory; empty: it is alone.
   const std::string name_;
+  std::unique_ptr<BlobCache> cache_;
   std::atomic<uint64_t> batches_ = 0;
   // When Sweep saw it first.
   std::map<std::string, int64_t> removed_since_;

@@ -48,6 +48,14 @@ absl::StatusOr<TrainingBackend::Parts> TrainingBackend::OpenParts(
       DataDirectory::OpenShared(PosixFileSystem(), options.folder,
                                 IdOf(parts.replica->name()),
                                 parts.catalog.get(), parts.locks.get()));
+  if (options.shared.blob_cache_bytes > 0) {
+    const std::string& own = options.shared.own_folder;
+    TACTUS_RETURN_IF_ERROR(PosixFileSystem().MakeDirectory(own));
+    TACTUS_ASSIGN_OR_RETURN(
+        auto cache, BlobCache::Open(PosixFileSystem(), own + "/blob-cache",
+                                    options.shared.blob_cache_bytes));
+    parts.data->blobs().UseCache(std::move(cache));
+  }
   return parts;
 }
 
@@ -85,7 +93,10 @@ TrainingBackend::TrainingBackend(Parts parts, const Options& options,
       jobs_(parts_.data.get(), &datasets_, &models_, &operations_, options.jobs,
             now_) {}
 
-TrainingBackend::~TrainingBackend() { Stop(); }
+TrainingBackend::~TrainingBackend() {
+  Stop();
+  LogCache();
+}
 
 void TrainingBackend::Start() {
   Sweep();
@@ -175,6 +186,17 @@ void TrainingBackend::Stop() {
   if (sweeper_.joinable()) sweeper_.join();
   operations_.StopWaiting();
   jobs_.Stop();
+}
+
+void TrainingBackend::LogCache() {
+  const BlobCache* const cache = data().blobs().cache();
+  if (cache == nullptr) return;
+  const BlobCache::Totals totals = cache->totals();
+  spdlog::info(
+      "blob cache: {} reads found their blob and {} did not, {} copies were "
+      "damaged and {} made room; {} blobs of {} bytes are there",
+      totals.found, totals.missing, totals.damaged, totals.evicted,
+      totals.blobs, totals.bytes);
 }
 
 }  // namespace tactus::internal::server

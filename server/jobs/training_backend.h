@@ -49,6 +49,10 @@ class TrainingBackend {
     // Where it listens; empty for a worker.
     std::string address = {};
     Replica::Pace pace = {};
+    // A folder on this server's own disk, for copies of blobs that were read
+    // (BlobCache), and their bytes; 0: none are kept.
+    std::string own_folder = {};
+    int64_t blob_cache_bytes = 0;
   };
 
   struct Options {
@@ -122,6 +126,7 @@ class TrainingBackend {
   TrainingBackend(Parts parts, const Options& options, ModelRegistry* registry);
   void Sweep();
   // Deletes what lies in a shared folder and nobody needs.
+  void LogCache();
   absl::Status SweepShared();
   // The catalogue has changed, perhaps.
   void OnNews();

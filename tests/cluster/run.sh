@@ -246,6 +246,17 @@ fi
 start_replica 1
 start_replica 2
 
+# ---------------------------------------------------------- copies of blobs
+for log in first second; do
+  start_replica 7 --data-dir="$work/own" --blob-cache=64M
+  kill -TERM "${replica[7]}"
+  wait "${replica[7]}" || die "server 7 ends with an error"
+  mv "$work/replica-7.log" "$work/$log.log"
+done
+grep -q "blob cache: [1-9][0-9]* reads found their blob and 0 did not" \
+  "$work/second.log" || die "$(cat "$work/second.log")"
+promise "a server that starts again reads its models from its own disk"
+
 silent=$(trainctl server info "$(at 1)" | grep -c '^replicas/.*server' || true)
 [[ $silent -ge 3 ]] || die "server info names $silent servers"
 promise "all promises are kept"

@@ -11,6 +11,7 @@
 #include "core/store/abandoned_uploads.h"
 #include "core/store/accept_catalog.h"
 #include "core/store/audit.h"
+#include "core/store/blob_cache.h"
 #include "core/store/blob_store.h"
 #include "core/store/catalog.h"
 #include "core/store/copy_mark.h"
@@ -52,6 +53,16 @@ static absl::Status TrainSpecExample(const v1::TrainSpec& spec) {
 static absl::Status FileSystemExample(const std::string& bytes) {
 #include "core/store/file_system.h.inc"
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::string> ReadFromAfar(const std::string& sha256,
+                                         int64_t limit);
+
+static absl::StatusOr<std::string> BlobCacheExample(FileSystem& files,
+                                                    const std::string& sha256,
+                                                    int64_t limit) {
+#include "core/store/blob_cache.h.inc"
+  return bytes;
 }
 
 static absl::Status BlobStoreExample(FileSystem& files,
