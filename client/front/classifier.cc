@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "absl/strings/string_view.h"
 #include "client/front/local_stream.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
@@ -27,15 +28,21 @@ absl::StatusOr<Classifier> Classifier::Load(const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(
       const std::string bytes,
       internal::ReadFileBytes(path, internal::limits::kMaxBundleBytes));
+  return Parse(bytes, path);
+}
+
+absl::StatusOr<Classifier> Classifier::Parse(std::string_view file,
+                                             const std::string& name) {
+  const absl::string_view bytes(file.data(), file.size());
   internal::client::LocalModel model = {
       .model = nullptr,
-      .version = path,
+      .version = name,
       .sha256 = internal::BundleSha256(bytes)};
   auto decoded = internal::DecodeBundle(bytes);
-  if (!decoded.ok()) return internal::Annotate(decoded.status(), path);
+  if (!decoded.ok()) return internal::Annotate(decoded.status(), name);
   model.model = *std::move(decoded);
   const absl::Status same = internal::RunWarmUp(*model.model);
-  if (!same.ok()) return internal::Annotate(same, path);
+  if (!same.ok()) return internal::Annotate(same, name);
   return Classifier(std::make_unique<const Impl>(std::move(model)));
 }
 

@@ -1,8 +1,11 @@
 // What the examples of public headers need around them. They only have to
 // compile. The build takes each .inc from the comment of the header it names.
+#include <cstdio>
 #include <memory>
 #include <string>
 
+#include "client/c/include/tactus.h"
+#include "client/c/structs.h"
 #include "client/drivers/sim_driver.h"
 #include "client/front/answer_delivery.h"
 #include "client/front/local_stream.h"
@@ -56,6 +59,22 @@ static absl::Status LocalSessionExample(const std::string& config,
   using python::LocalModel;
   using python::LocalSession;
 #include "client/python/native/local_session.h.inc"
+  return absl::OkStatus();
+}
+
+static void CInterfaceExample(const float* values) {
+#include "client/c/include/tactus.h.inc"
+}
+
+static absl::Status CStructsExample(const tactus_skin* given,
+                                    const tactus_event& full,
+                                    tactus_event* event,
+                                    const absl::Status& status,
+                                    tactus_error* error) {
+  using c::CopyOut;
+  using c::CopyText;
+  using c::SkinFromC;
+#include "client/c/structs.h.inc"
   return absl::OkStatus();
 }
 

@@ -18,6 +18,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "absl/status/statusor.h"
 #include "tactus/skin.h"
@@ -31,6 +32,9 @@ class Classifier {
   // it computed where it was made. IO, BUNDLE_CORRUPT, BUNDLE_VERSION,
   // INVALID_MODEL.
   static absl::StatusOr<Classifier> Load(const std::string& path);
+  // The same for a file that is in memory already; `name` stands for its path.
+  static absl::StatusOr<Classifier> Parse(std::string_view bytes,
+                                          const std::string& name);
 
   ~Classifier();
   Classifier(Classifier&&) noexcept;
