@@ -33,9 +33,15 @@ endif()
 # The same input gives the same bits: no contraction that depends on the host.
 add_compile_options(-ffp-contract=off)
 
-# A module of Python is a shared library, and so is all that it links.
-if(TACTUS_PYTHON)
+# A module of Python is a shared library, and so is all that it links; the same
+# for libtactus_c, which nothing replaces a function of, and which keeps only
+# what it calls.
+if(TACTUS_PYTHON OR TACTUS_EMBEDDED)
   set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+endif()
+if(TACTUS_EMBEDDED)
+  add_compile_options(-fno-semantic-interposition -ffunction-sections
+                      -fdata-sections)
 endif()
 
 if(TACTUS_SANITIZE STREQUAL "address")

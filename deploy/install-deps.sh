@@ -11,6 +11,7 @@
 #   deploy/install-deps.sh --python   to build and use the Python package
 #   deploy/install-deps.sh --image    to run deploy/check-image.sh
 #   deploy/install-deps.sh --packages to run deploy/packages.sh
+#   deploy/install-deps.sh --embedded to build libtactus_c
 #   deploy/install-deps.sh --list     (with any of these) only prints the names
 #
 # Runs as root, or as a user who may use sudo. Does nothing, and does not use the
@@ -115,6 +116,20 @@ readonly PACKAGES=(
   librosbag-storage-dev
   lintian
 )
+# The C interface alone.
+readonly EMBEDDED=(
+  cmake
+  g++
+  libabsl-dev
+  libeigen3-dev
+  libhwy-dev
+  libisal-dev
+  libprotobuf-dev
+  libssl-dev
+  ninja-build
+  pkgconf
+  protobuf-compiler
+)
 # The tests, the benchmarks, and the independent references of both.
 readonly TESTS=(
   ccache
@@ -169,6 +184,7 @@ for arg in "$@"; do
     --python) packages=("${PYTHON[@]}") ;;
     --image) packages=("${IMAGE[@]}") ;;
     --packages) packages+=("${PACKAGES[@]}") ;;
+    --embedded) packages=("${EMBEDDED[@]}") ;;
     --list) list_only=yes ;;
     -h | --help) usage; exit 0 ;;
     *) echo "install-deps: unknown option '$arg'" >&2; usage >&2; exit 2 ;;

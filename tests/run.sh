@@ -63,7 +63,8 @@ check_scripts() {
 }
 
 check_format() {
-  find core server client tools tests research examples \( -name '*.cc' -o -name '*.h' \) -print0 |
+  find core server client tools tests research examples \
+    \( -name '*.cc' -o -name '*.h' -o -name '*.c' \) -print0 |
     xargs -0 -r clang-format --dry-run -Werror
 }
 
