@@ -136,10 +136,14 @@ readonly TESTS=(
   chromium
   clang-14
   clang-format
+  cyclonedds-dev
   doxygen
+  fastddsgen
   gnuplot-nox
   haproxy
   libclang-rt-14-dev
+  libfastcdr-dev
+  libfastrtps-dev
   libghmm-dev
   libgmock-dev
   libgtest-dev
