@@ -182,6 +182,8 @@ class CycloneNode final : public DdsNode {
         waitset_(dds_create_waitset(participant)),
         endpoints_(dds_create_reader(
             participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)) {
+    // A set without readers does not wait.
+    Attach(endpoints_);
   }
   ~CycloneNode() override { dds_delete(participant_); }
 
@@ -195,8 +197,7 @@ class CycloneNode final : public DdsNode {
       dds_delete(made);
       return DdsError(topic, reader);
     }
-    dds_set_status_mask(reader, DDS_DATA_AVAILABLE_STATUS);
-    dds_waitset_attach(waitset_, reader, 0);
+    Attach(reader);
     return std::make_unique<CycloneReader>(made, reader);
   }
 
@@ -213,17 +214,17 @@ class CycloneNode final : public DdsNode {
     return std::make_unique<CycloneWriter>(topic, made, writer);
   }
 
-  std::optional<std::string> TypeOf(const std::string& topic) override {
-    const auto name = DdsTopic(topic);
-    if (!name.ok()) return std::nullopt;
+  absl::StatusOr<std::string> TypeOf(const std::string& topic) override {
+    TACTUS_ASSIGN_OR_RETURN(const std::string name, DdsTopic(topic));
     TakeEndpoints();
-    const auto found = types_.find(*name);
-    if (found == types_.end()) return std::nullopt;
-    return found->second;
+    const auto found = types_.find(name);
+    return found == types_.end() ? "" : found->second;
   }
 
   void Wait(std::chrono::milliseconds limit) override {
     dds_waitset_wait(waitset_, nullptr, 0, DDS_MSECS(limit.count()));
+    // The next call would return at once.
+    TakeEndpoints();
   }
 
   int domain() const override { return domain_; }
@@ -241,6 +242,11 @@ class CycloneNode final : public DdsNode {
       return DdsError(topic, made);
     }
     return made;
+  }
+
+  void Attach(dds_entity_t reader) {
+    dds_set_status_mask(reader, DDS_DATA_AVAILABLE_STATUS);
+    dds_waitset_attach(waitset_, reader, 0);
   }
 
   // Robots have hundreds of publishers, so only news are looked at.

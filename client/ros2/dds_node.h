@@ -88,10 +88,12 @@ class DdsNode {
   virtual absl::StatusOr<std::unique_ptr<DdsWriter>> Advertise(
       const std::string& topic, const std::string& type, const DdsQos& qos) = 0;
 
-  // The type by which somebody publishes the topic, if it is one of ROS 2.
-  virtual std::optional<std::string> TypeOf(const std::string& topic) = 0;
+  // The type by which somebody publishes the topic; empty if nobody does, or if
+  // the type is not one of ROS 2. INVALID_CONFIG for a name that is none.
+  virtual absl::StatusOr<std::string> TypeOf(const std::string& topic) = 0;
 
-  // Returns when a reader has a message, or at the end of this time.
+  // Returns when a reader has a message or a publisher is new, or at the end of
+  // this time.
   virtual void Wait(std::chrono::milliseconds limit) = 0;
 
   virtual int domain() const = 0;

@@ -5,6 +5,7 @@
 
 #include "client/ros2/cdr_writer.h"
 #include "client/ros2/dds_node.h"
+#include "client/ros2/link_poses.h"
 #include "client/ros2/raw_type.h"
 #include "client/ros2/skin_topic.h"
 #include "client/ros2/touch_messages.h"
@@ -21,6 +22,13 @@ static void CdrWriterExample(int32_t seconds,
 
 static absl::Status DdsNodeExample(void (*Use)(const std::string&)) {
 #include "client/ros2/dds_node.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status LinkPosesExample(const std::string& urdf_text,
+                                     const DdsMessage& message, int64_t time_ns,
+                                     void (*Use)(const LinkPose&)) {
+#include "client/ros2/link_poses.h.inc"
   return absl::OkStatus();
 }
 

@@ -15,6 +15,8 @@ using std::chrono::milliseconds;
 
 // How long a call of DDS may wait, and so a signal.
 constexpr milliseconds kWait{50};
+// Joint values of a second at 1 kHz, while the stream waits.
+constexpr DdsQos kPoseQos = {.reliable = false, .depth = 1'000};
 // Markers vanish if no answer replaces them.
 constexpr double kMarkerSeconds = 0.5;
 // A gap of this many periods is a loss.
@@ -45,7 +47,8 @@ Bridge::Bridge(DdsNode* node, BridgeOptions options, OnNews on_news)
     : node_(node), options_(std::move(options)), on_news_(std::move(on_news)) {}
 
 absl::Status Bridge::Run() {
-  TACTUS_ASSIGN_OR_RETURN(skin_, SkinOf(options_.file, /*with_poses=*/false));
+  TACTUS_ASSIGN_OR_RETURN(
+      skin_, SkinOf(options_.file, /*with_poses=*/options_.poses != nullptr));
   TACTUS_RETURN_IF_ERROR(Advertise());
   TACTUS_RETURN_IF_ERROR(OpenStream());
   TACTUS_RETURN_IF_ERROR(WaitForType());
@@ -55,6 +58,11 @@ absl::Status Bridge::Run() {
       SkinTopic::Make(options_.file, options_.type, options_.definition));
   TACTUS_ASSIGN_OR_RETURN(
       reader_, node_->Subscribe(options_.topic, options_.type, options_.qos));
+  if (options_.poses != nullptr) {
+    TACTUS_ASSIGN_OR_RETURN(pose_reader_,
+                            node_->Subscribe(options_.pose_topic,
+                                             options_.poses->type(), kPoseQos));
+  }
   News(absl::StrCat(options_.topic, " is ", options_.type, ", in domain ",
                     node_->domain()));
   const absl::Status status = Loop();
@@ -78,10 +86,8 @@ absl::Status Bridge::Advertise() {
 absl::Status Bridge::WaitForType() {
   bool told = false;
   while (options_.type.empty() && !stop_) {
-    if (const auto type = node_->TypeOf(options_.topic)) {
-      options_.type = *type;
-      break;
-    }
+    TACTUS_ASSIGN_OR_RETURN(options_.type, node_->TypeOf(options_.topic));
+    if (!options_.type.empty()) break;
     if (!told) News(absl::StrCat("waits for a publisher of ", options_.topic));
     told = true;
     node_->Wait(kWait);
@@ -94,7 +100,10 @@ absl::Status Bridge::Loop() {
   DdsMessage message;
   while (!stop_) {
     node_->Wait(kWait);
+    // Those that were published before a frame have come before it.
+    TakePoses();
     while (!stop_ && reader_->Take(message)) {
+      TakePoses();
       TACTUS_RETURN_IF_ERROR(TakeMessage(message));
     }
     TACTUS_RETURN_IF_ERROR(Watch());
@@ -102,25 +111,57 @@ absl::Status Bridge::Loop() {
   return absl::OkStatus();
 }
 
+void Bridge::TakePoses() {
+  DdsMessage message;
+  while (pose_reader_ != nullptr && pose_reader_->Take(message)) {
+    const absl::Status taken = options_.poses->Take(message);
+    if (taken.ok()) continue;
+    Refuse(options_.pose_topic, taken);
+  }
+}
+
+bool Bridge::FindPose() {
+  if (options_.poses == nullptr) return true;
+  const auto pose = options_.poses->PoseAt(frame_.capture_time_ns);
+  const std::string problem = pose ? "" : options_.poses->Problem();
+  // The text of a lasting problem has numbers that change.
+  if (pose_problem_.empty() != problem.empty()) {
+    News(pose ? absl::StrCat("poses come again; ", without_pose_,
+                             " frames lost without poses so far")
+              : absl::StrCat("frames are lost without poses: ", problem));
+  }
+  pose_problem_ = problem;
+  if (!pose) {
+    ++without_pose_;
+    return false;
+  }
+  frame_.pose = *pose;
+  return true;
+}
+
+void Bridge::Refuse(const std::string& topic, const absl::Status& status) {
+  ++refused_;
+  const std::string refusal(status.message());
+  if (refusal != last_refusal_) {
+    News(absl::StrCat("a message of ", topic, " is refused: ", refusal));
+  }
+  last_refusal_ = refusal;
+}
+
 absl::Status Bridge::TakeMessage(const DdsMessage& message) {
   const auto made = skin_topic_->Read(message, frame_);
   if (!made.ok()) {
-    ++refused_;
-    const std::string refusal(made.status().message());
-    if (refusal != last_refusal_) {
-      News(absl::StrCat("a message of ", options_.topic,
-                        " is refused: ", refusal));
-    }
-    last_refusal_ = refusal;
+    Refuse(options_.topic, made.status());
     return absl::OkStatus();
   }
-  last_frame_ = Clock::now();
   if (!*made) {
     if (skin_topic_->idle_frames_left() == 0) {
       News("the baseline is taken from the idle frames");
     }
     return absl::OkStatus();
   }
+  if (!FindPose()) return absl::OkStatus();
+  last_frame_ = Clock::now();
   return PushFrame();
 }
 
@@ -131,7 +172,8 @@ absl::Status Bridge::PushFrame() {
     if (gap_ns <= -silence_ns) {
       // A clock was set, or a bag is played again.
       News("the frames' times have gone back; a new stream begins");
-      TACTUS_RETURN_IF_ERROR(Close());
+      const absl::Status closed = Close();
+      if (!closed.ok()) TACTUS_RETURN_IF_ERROR(LoseStream(closed));
       TACTUS_RETURN_IF_ERROR(OpenStream());
     } else if (gap_ns <= 0) {
       ++refused_;
@@ -174,6 +216,9 @@ absl::Status Bridge::OpenStream() {
   options.on_answer = [this](const Answer& answer) { Publish(answer); };
   options.on_notice = [this](const Notice& notice) { News(notice.text); };
   auto stream = options_.open(skin_, options);
+  // The model is for another skin. A stream that is lost because the server has
+  // got another model has the same code, and begins anew.
+  if (absl::IsFailedPrecondition(stream.status())) return stream.status();
   if (!stream.ok()) return LoseStream(stream.status());
   stream_ = *std::move(stream);
   stream_problem_.clear();
@@ -238,11 +283,12 @@ absl::Status Bridge::Watch() {
 
 absl::Status Bridge::Close() {
   if (stream_ == nullptr) return absl::OkStatus();
-  if (stream_->resuming()) stream_->Cancel();
-  const bool cancelled = stream_->resuming();
+  // What was lost is not waited for.
+  const bool resuming = stream_->resuming();
+  if (resuming) stream_->Cancel();
   const absl::Status closed = stream_->Close();
   stream_.reset();
-  return cancelled || absl::IsCancelled(closed) ? absl::OkStatus() : closed;
+  return resuming ? absl::OkStatus() : closed;
 }
 
 void Bridge::Publish(const Answer& answer) {
@@ -267,6 +313,9 @@ void Bridge::Diagnose() {
   if (stream_ == nullptr) {
     diagnosis.level = Diagnosis::Level::kError;
     diagnosis.message = "no stream: " + stream_problem_;
+  } else if (!pose_problem_.empty()) {
+    diagnosis.level = Diagnosis::Level::kError;
+    diagnosis.message = "frames are lost without poses: " + pose_problem_;
   } else if (was_silent_ || frames_ == 0) {
     diagnosis.level = Diagnosis::Level::kStale;
     diagnosis.message = "no frames come";
@@ -284,6 +333,8 @@ void Bridge::Diagnose() {
   frames_diagnosed_ = frames_;
   add("frames missing", missing_);
   add("frames without a stream", not_sent_);
+  add("frames without a pose", without_pose_);
+  add("pose problem", pose_problem_);
   add("messages refused", refused_);
   add("last refusal", last_refusal_);
   add("messages not taken", unwritten_.load());

@@ -31,6 +31,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/ros2/dds_node.h"
+#include "client/ros2/link_poses.h"
 #include "client/ros2/skin_topic.h"
 #include "client/ros2/touch_messages.h"
 #include "core/import/skin_file.h"
@@ -49,6 +50,10 @@ struct BridgeOptions {
   SkinFile file = {};
   // Names the link that carries the skin.
   std::string frame_id = {};
+  // Where the link is, and the topic of what it takes; null: frames have no
+  // poses. Outlives the bridge.
+  LinkPoses* poses = nullptr;
+  std::string pose_topic = {};
   // Where the answers go.
   std::string name = "/tactus";
   StreamOptions stream = {};
@@ -81,6 +86,10 @@ class Bridge {
   absl::Status Advertise();
   absl::Status WaitForType();
   absl::Status Loop();
+  void TakePoses();
+  // False if the frame has no pose.
+  bool FindPose();
+  void Refuse(const std::string& topic, const absl::Status& status);
   absl::Status TakeMessage(const DdsMessage& message);
   absl::Status PushFrame();
   absl::Status EndTrial();
@@ -102,6 +111,7 @@ class Bridge {
   Skin skin_;
   std::optional<SkinTopic> skin_topic_;
   std::unique_ptr<DdsReader> reader_;
+  std::unique_ptr<DdsReader> pose_reader_;
   std::unique_ptr<DdsWriter> contacts_;
   std::unique_ptr<DdsWriter> events_;
   std::unique_ptr<DdsWriter> markers_;
@@ -119,9 +129,12 @@ class Bridge {
   // Why there is no stream, and why the last message was refused.
   std::string stream_problem_ = "is not open yet";
   std::string last_refusal_;
+  // Why frames have no pose; empty while they have one.
+  std::string pose_problem_;
   uint64_t frames_ = 0;
   uint64_t missing_ = 0;
   uint64_t refused_ = 0;
+  uint64_t without_pose_ = 0;
   uint64_t not_sent_ = 0;
   uint64_t frames_diagnosed_ = 0;
   // Messages that a slow subscriber did not take in time.

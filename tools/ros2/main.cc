@@ -10,9 +10,11 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "client/ros2/dds_node.h"
+#include "client/ros2/link_poses.h"
 #include "client/stream/robot_id.h"
 #include "core/base/arguments.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/limits_bags.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
@@ -40,6 +42,11 @@ struct Flags {
   double scale = 1;
   double rate_hz = 100;
   std::string definition;
+  // Where the skin is; without both, frames have no poses.
+  std::string urdf;
+  std::string skin_link;
+  std::string joint_topic = "/joint_states";
+  double pose_age_ms = 70;
   std::optional<int> domain;
   bool reliable = false;
   int depth = 5;
@@ -64,6 +71,23 @@ absl::StatusOr<SkinFile> MakeSkin(const Flags& flags) {
   return file;
 }
 
+// Null without poses.
+absl::StatusOr<std::unique_ptr<LinkPoses>> MakePoses(const Flags& flags,
+                                                     BridgeOptions& bridge) {
+  const LinkPosesOptions options = {
+      .max_age_ns = static_cast<int64_t>(flags.pose_age_ms * 1e6)};
+  if (!flags.urdf.empty()) {
+    bridge.pose_topic = flags.joint_topic;
+    TACTUS_ASSIGN_OR_RETURN(const std::string urdf,
+                            ReadFileBytes(flags.urdf, limits::kMaxUrdfBytes));
+    auto poses = LinkPoses::FromJoints(urdf, flags.skin_link, options);
+    return poses.ok() ? std::move(poses) : Annotate(poses.status(), flags.urdf);
+  }
+  if (bridge.pose_topic.empty()) bridge.pose_topic = bridge.file.pose_topic;
+  if (bridge.pose_topic.empty()) return nullptr;
+  return LinkPoses::FromPoses(options);
+}
+
 absl::Status Run(Flags& flags) {
   BridgeOptions& bridge = flags.bridge;
   TACTUS_ASSIGN_OR_RETURN(bridge.file, MakeSkin(flags));
@@ -81,14 +105,19 @@ absl::Status Run(Flags& flags) {
         bridge.definition,
         ReadFileBytes(flags.definition, limits::kMaxBagDefinitionBytes));
   }
+  if (bridge.frame_id.empty()) bridge.frame_id = flags.skin_link;
   if (bridge.frame_id.empty()) bridge.frame_id = bridge.file.layout.name;
   bridge.qos = {.reliable = flags.reliable, .depth = flags.depth};
   bridge.silence =
       std::chrono::milliseconds(static_cast<int64_t>(flags.silence_s * 1'000));
+  TACTUS_ASSIGN_OR_RETURN(const auto poses, MakePoses(flags, bridge));
+  bridge.poses = poses.get();
   std::optional<Client> client;
   std::optional<Classifier> classifier;
   if (flags.bundle.empty()) {
     ClientOptions options = {.tls_ca = flags.tls_ca};
+    // The bridge tries again by itself, and ends sooner.
+    options.open_timeout = std::chrono::milliseconds(3'000);
     options.resume_for = std::chrono::milliseconds(
         static_cast<int64_t>(flags.reconnect_s * 1'000));
     if (!flags.token_file.empty()) {
@@ -186,7 +215,29 @@ int Main(int argc, char** argv) {
       ->capture_default_str()
       ->excludes(mapping);
   app.add_option("--frame-id", flags.bridge.frame_id,
-                 "Link that carries the skin, for tf; absent: the skin's name");
+                 "Link that carries the skin, for tf; absent: --skin-link, or "
+                 "the skin's name");
+  auto* const urdf =
+      app.add_option("--urdf", flags.urdf,
+                     "URDF of the robot: the skin's pose follows from joint "
+                     "values")
+          ->check(CLI::ExistingFile);
+  auto* const link = app.add_option("--skin-link", flags.skin_link,
+                                    "Link in --urdf that carries the skin");
+  urdf->needs(link);
+  link->needs(urdf);
+  app.add_option("--joint-topic", flags.joint_topic,
+                 "Topic of sensor_msgs/JointState")
+      ->capture_default_str()
+      ->needs(urdf);
+  app.add_option("--pose-topic", flags.bridge.pose_topic,
+                 "Topic of geometry_msgs/PoseStamped with the pose of the "
+                 "skin's link; absent: pose_topic in --mapping, or none")
+      ->excludes(urdf);
+  app.add_option("--pose-age-ms", flags.pose_age_ms,
+                 "Frames are lost if poses are older")
+      ->check(CLI::Range(1.0, 10'000.0))
+      ->capture_default_str();
   app.add_option("--name", flags.bridge.name,
                  "Publish NAME/contacts, NAME/events and NAME/markers")
       ->capture_default_str();

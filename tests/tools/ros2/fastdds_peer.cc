@@ -4,9 +4,10 @@
 //
 //   fastdds_peer domain=7 topic=/touch name=/tactus type=u16 reliable=1
 //     frames=frames.bin rows=16 columns=24 rate=100 count=1000 linger=2
-//     heard=heard.txt
+//     heard=heard.txt [joints=/joint_states]
 //
-// `frames` are numbers of the type, a frame after the other. The lines:
+// `frames` are numbers of the type, a frame after the other. With `joints` a
+// joint "elbow" has the value i / 1000 at image i. The lines:
 //   contacts FRAME STAMP_NS ARRIVED_NS FINAL MISSING [id state force
 //     classes... object] per contact, probabilities as hexadecimal floats
 //   event FRAME STAMP_NS KIND CONTACT QUESTION VALUE
@@ -178,16 +179,21 @@ class Robot {
   Subscriber* subscriber_;
 };
 
-// Publishes `count` frames, each made by `write` of its number and its time.
-void PublishAll(DataWriter* writer, const Settings& settings, Heard& heard,
-                const std::function<void(int, WriteParams&)>& write) {
+void WaitForSubscriber(DataWriter* writer) {
+  if (writer == nullptr) return;
   PublicationMatchedStatus status;
   for (int i = 0; i < 2'000; ++i) {
     writer->get_publication_matched_status(status);
-    if (status.current_count > 0) break;
+    if (status.current_count > 0) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  if (status.current_count == 0) std::fprintf(stderr, "nobody subscribes\n");
+  std::fprintf(stderr, "nobody subscribes\n");
+}
+
+// Publishes `count` frames, each made by `write` of its number and its time.
+void PublishAll(DataWriter* writer, const Settings& settings, Heard& heard,
+                const std::function<void(int, WriteParams&)>& write) {
+  WaitForSubscriber(writer);
   const int count = std::stoi(settings.at("count"));
   const auto period =
       std::chrono::nanoseconds(1'000'000'000 / std::stoi(settings.at("rate")));
@@ -250,9 +256,23 @@ void PublishImages(Robot& robot, const Settings& settings, Heard& heard,
   const unsigned size = rows * columns;
   // The first frame's; those of others follow from the rate of the skin.
   const int64_t first_ns = 1'700'000'000'000'000'000;
+  DataWriter* const joints =
+      settings.count("joints") == 0
+          ? nullptr
+          : robot.Advertise<sensor_msgs::msg::dds_::JointState_PubSubType>(
+                settings.at("joints"), true);
+  WaitForSubscriber(joints);
   PublishAll(writer, settings, heard, [&](int i, WriteParams& params) {
     sensor_msgs::msg::dds_::Image_ message;
     const int64_t time_ns = first_ns + int64_t{i} * 10'000'000;
+    if (joints != nullptr) {
+      sensor_msgs::msg::dds_::JointState_ state;
+      state.header().stamp().sec(time_ns / 1'000'000'000);
+      state.header().stamp().nanosec(time_ns % 1'000'000'000);
+      state.name({"finger", "elbow"});
+      state.position({0.5, i / 1000.0});
+      joints->write(&state);
+    }
     message.header().stamp().sec(time_ns / 1'000'000'000);
     message.header().stamp().nanosec(time_ns % 1'000'000'000);
     message.header().frame_id("skin");
@@ -286,6 +306,7 @@ std::string ContactText(const tactus_msgs::msg::dds_::Contact_& contact) {
     text += Text(" object %a %a", contact.log10_stiffness(),
                  contact.moved_deviation_m());
   }
+  if (contact.has_world()) text += Text(" at %a", contact.world().x());
   return text + "]";
 }
 
