@@ -50,10 +50,12 @@ def loads_of(answer: Answer) -> Any:
         return None
     skin = answer.skin
     loads = frame.astype(float) * skin.scale
-    if skin.axes == 3:
-        loads = (numpy.maximum(loads[..., skin.normal_axis], 0) if skin.normal_axis is not None
-                 else numpy.sqrt((loads ** 2).sum(axis=2)))
-    return numpy.abs(loads) if skin.signed_values else loads
+    if skin.axes == 1:
+        loads = loads[..., None]
+    loads = (numpy.maximum(loads[..., skin.normal_axis], 0) if skin.normal_axis is not None
+             else numpy.sqrt((loads ** 2).sum(axis=2)))
+    loads.reshape(-1)[list(skin.auxiliary_taxels)] = 0
+    return loads
 
 
 def skin_svg(answer: Answer) -> str:

@@ -16,6 +16,8 @@ export interface Geometry {
   unit: string;
   contact_threshold: number;
   masked_taxels: number[];
+  // Of something else than touch.
+  auxiliary_taxels: number[];
   axes: number;
   normal_axis?: number;
 }
@@ -138,6 +140,7 @@ function complete(update: Update): void {
   if (opened) {
     opened.started.questions ??= [];
     opened.started.geometry.masked_taxels ??= [];
+    opened.started.geometry.auxiliary_taxels ??= [];
   }
   if (!frame) return;
   frame.answer.contacts ??= [];

@@ -99,7 +99,8 @@ export class SkinView {
 
   private drawLines(): void {
     const felt = this.contacts.filter(isFelt);
-    const masked = geometryOf(this.robot).masked_taxels;
+    const { masked_taxels, auxiliary_taxels } = geometryOf(this.robot);
+    const masked = [...masked_taxels, ...auxiliary_taxels];
     const hasShear = axesOf(this.robot) === 3;
     const lined = `${this.picked}` + felt.map(({ id, patch }) =>
       ` ${id}: ${patch.taxels.join()}`).join();
