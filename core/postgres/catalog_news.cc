@@ -2,7 +2,9 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <string>
 #include <utility>
 
 #include "core/base/limits_catalog.h"
@@ -19,7 +21,8 @@ constexpr int kPauseMs = 500;
 
 }  // namespace
 
-CatalogNews::CatalogNews(std::string address, std::function<void()> on_news)
+CatalogNews::CatalogNews(std::string address,
+                         std::function<void(bool of_replicas)> on_news)
     : address_(std::move(address)), on_news_(std::move(on_news)) {
   // Programs that are started meanwhile must not keep it open.
   if (pipe2(stop_, O_CLOEXEC) != 0) return;
@@ -45,12 +48,16 @@ void CatalogNews::Listen() {
       continue;
     }
     // What happened before is not told.
-    on_news_();
+    on_news_(false);
     while ((*connection)->is_good() && !stops_within(0)) {
       const auto noticed =
-          (*connection)->WaitForNotice(kLongestSilence, stop_[0]);
-      if (noticed.ok() && *noticed) on_news_();
-      if (noticed.ok() && !*noticed) {
+          (*connection)->WaitForNotices(kLongestSilence, stop_[0]);
+      if (!noticed.ok()) continue;
+      if (!noticed->empty()) {
+        on_news_(std::ranges::all_of(*noticed, [](const std::string& payload) {
+          return payload == kNewsOfReplicas;
+        }));
+      } else {
         (*connection)->Run("SELECT 1").status().IgnoreError();
       }
     }

@@ -217,7 +217,7 @@ absl::StatusOr<PgRows> PgConnection::Run(const std::string& sql,
   return rows;
 }
 
-absl::StatusOr<bool> PgConnection::WaitForNotice(
+absl::StatusOr<std::vector<std::string>> PgConnection::WaitForNotices(
     std::chrono::milliseconds patience, int wake) {
   if (!good_) return CatalogUnavailable(shown_, "the connection was lost");
   const Time until = Clock::now() + patience;
@@ -225,19 +225,19 @@ absl::StatusOr<bool> PgConnection::WaitForNotice(
     if (PQconsumeInput(connection_) == 0) {
       return Lost(TextOf(PQerrorMessage(connection_)));
     }
-    bool noticed = false;
+    std::vector<std::string> payloads;
     while (PGnotify* notice = PQnotifies(connection_)) {
+      payloads.emplace_back(notice->extra);
       PQfreemem(notice);
-      noticed = true;
     }
-    if (noticed) return true;
+    if (!payloads.empty()) return payloads;
     pollfd states[] = {
         {.fd = PQsocket(connection_), .events = POLLIN, .revents = 0},
         {.fd = wake, .events = POLLIN, .revents = 0}};
     const int left = LeftMs(until);
-    if (left == 0) return false;
+    if (left == 0) return payloads;
     if (poll(states, 2, left) < 0 && errno != EINTR) return Lost("poll failed");
-    if (states[1].revents != 0) return false;
+    if (states[1].revents != 0) return payloads;
   }
 }
 

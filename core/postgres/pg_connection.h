@@ -76,10 +76,11 @@ class PgConnection {
   const std::string& sqlstate() const { return sqlstate_; }
   bool is_good() const { return good_; }
 
-  // Waits for a notification. False if none came within `patience`; true takes
-  // all that came. `wake`: a descriptor that ends the wait when it can be read.
-  absl::StatusOr<bool> WaitForNotice(std::chrono::milliseconds patience,
-                                     int wake);
+  // Waits for a notification. Returns the payloads of all that came; none if
+  // none came within `patience`. `wake`: a descriptor that ends the wait when
+  // it can be read.
+  absl::StatusOr<std::vector<std::string>> WaitForNotices(
+      std::chrono::milliseconds patience, int wake);
 
  private:
   using Time = std::chrono::steady_clock::time_point;

@@ -42,6 +42,15 @@ bool IsConflict(const std::string& sqlstate) {
   return std::ranges::find(kStates, sqlstate) != std::end(kStates);
 }
 
+enum class News { kNone, kOfReplicas, kOfAll };
+
+// The statement that tells it, behind another one's columns.
+std::string Telling(News news) {
+  if (news == News::kNone) return "";
+  return absl::StrCat(", pg_notify('tactus', '",
+                      news == News::kOfReplicas ? kNewsOfReplicas : "", "')");
+}
+
 class PostgresTransaction final : public Transaction {
  public:
   explicit PostgresTransaction(PgConnection& connection)
@@ -87,7 +96,7 @@ class PostgresTransaction final : public Transaction {
 
   absl::Status Put(Table table, absl::string_view key,
                    absl::string_view value) override {
-    Note(table);
+    Note(table, table == Table::kReplicas ? News::kOfReplicas : News::kOfAll);
     return Run("INSERT INTO tactus_records VALUES ($1, $2, $3) "
                "ON CONFLICT (kind, key) DO UPDATE SET value = EXCLUDED.value",
                {KindOf(table), PgBytes(key),
@@ -96,7 +105,7 @@ class PostgresTransaction final : public Transaction {
   }
 
   absl::Status Erase(Table table, absl::string_view key) override {
-    Note(table);
+    Note(table, News::kOfAll);
     return Run("DELETE FROM tactus_records WHERE kind = $1 AND key = $2",
                {KindOf(table), PgBytes(key)})
         .status();
@@ -105,13 +114,13 @@ class PostgresTransaction final : public Transaction {
   // True if the transaction met another one, whatever its function made of it.
   bool met_another() const { return met_another_; }
   bool wrote() const { return wrote_; }
-  // True if others want to know.
-  bool is_news() const { return is_news_; }
+  // What others want to know.
+  News news() const { return news_; }
 
  private:
-  void Note(Table table) {
+  void Note(Table table, News news) {
     wrote_ = true;
-    if (table != Table::kBeats) is_news_ = true;
+    if (table != Table::kBeats) news_ = std::max(news_, news);
   }
   static PgValue KindOf(Table table) {
     return PgInteger(static_cast<int>(table));
@@ -126,7 +135,7 @@ class PostgresTransaction final : public Transaction {
   PgConnection& connection_;
   mutable bool met_another_ = false;
   bool wrote_ = false;
-  bool is_news_ = false;
+  News news_ = News::kNone;
 };
 
 // How one try of a transaction ended.
@@ -306,8 +315,7 @@ class PostgresCatalog final : public Catalog {
     std::string number;
     if (transaction.wrote()) {
       const auto told = connection.Run(absl::StrCat(
-          "SELECT pg_current_xact_id()::text",
-          transaction.is_news() ? ", pg_notify('tactus', '')" : ""));
+          "SELECT pg_current_xact_id()::text", Telling(transaction.news())));
       if (!told.ok()) {
         connection.Run("ROLLBACK").status().IgnoreError();
         return {told.status(),

@@ -5,7 +5,9 @@
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto catalog,
 //                           OpenPostgresCatalog("postgresql://db/tactus"));
-//   CatalogNews news("postgresql://db/tactus", [] { LookAgain(); });
+//   CatalogNews news("postgresql://db/tactus", [](bool of_replicas) {
+//     if (!of_replicas) LookAgain();
+//   });
 //
 // Transactions are serialisable: one that meets another one's changes runs
 // again. If the connection is lost while a change commits, the database is
@@ -45,12 +47,17 @@ absl::StatusOr<std::unique_ptr<Catalog>> OpenPostgresCatalog(
 absl::StatusOr<std::unique_ptr<Catalog>> OpenExistingPostgresCatalog(
     const std::string& address);
 
+// The payload of a notification about what replicas say of themselves, and
+// nothing else. With every server that serves a version, all others hear of it.
+inline constexpr char kNewsOfReplicas[] = "replicas";
+
 // Calls a function after each change, soon after it was made, and whenever
 // changes may have been missed because the connection was lost. A thread of its
-// own does it.
+// own does it. `of_replicas`: only replicas have put records of themselves.
 class CatalogNews {
  public:
-  CatalogNews(std::string address, std::function<void()> on_news);
+  CatalogNews(std::string address,
+              std::function<void(bool of_replicas)> on_news);
   // Waits for a call that is under way.
   ~CatalogNews();
 
@@ -61,7 +68,7 @@ class CatalogNews {
   void Listen();
 
   const std::string address_;
-  const std::function<void()> on_news_;
+  const std::function<void(bool)> on_news_;
   // A pipe that ends the wait.
   int stop_[2] = {-1, -1};
   std::thread thread_;

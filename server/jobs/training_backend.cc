@@ -116,11 +116,14 @@ void TrainingBackend::Start() {
     parts_.locks->ReleaseAgain();
     if (++beats % kBeatsPerLook == 0 || gone) jobs_.Wake();
   });
-  news_ = std::make_unique<CatalogNews>(catalog_, [this] { OnNews(); });
+  news_ = std::make_unique<CatalogNews>(
+      catalog_, [this](bool of_replicas) { OnNews(of_replicas); });
 }
 
-void TrainingBackend::OnNews() {
+void TrainingBackend::OnNews(bool of_replicas) {
   replica()->OnNews();
+  // Nothing else has changed, and each promotion brings one of each server.
+  if (of_replicas) return;
   operations_.OnNews();
   jobs_.Wake();
   if (const absl::Status followed = FollowModels(); !followed.ok()) {

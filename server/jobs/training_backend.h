@@ -129,7 +129,7 @@ class TrainingBackend {
   void LogCache();
   absl::Status SweepShared();
   // The catalogue has changed, perhaps.
-  void OnNews();
+  void OnNews(bool of_replicas);
   // Serves what it says.
   absl::Status FollowModels();
 

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "core/base/errors.h"
+#include "core/base/status_macros.h"
 #include "core/postgres/pg_connection.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -152,7 +153,7 @@ TEST_F(PostgresCatalogTest, NoChangeIsLostOrMadeTwice) {
 
 TEST_F(PostgresCatalogTest, TellsNewsAlsoAfterALoss) {
   std::atomic<int> news = 0;
-  const CatalogNews listener(address_, [&] { ++news; });
+  const CatalogNews listener(address_, [&](bool) { ++news; });
   // At first, because something may have happened before.
   EXPECT_TRUE(Eventually([&] { return news >= 1; }));
   int before = news;
@@ -167,6 +168,39 @@ TEST_F(PostgresCatalogTest, TellsNewsAlsoAfterALoss) {
   before = news;
   ASSERT_TRUE(Put(*catalog_, "a", "2").ok());
   EXPECT_TRUE(Eventually([&] { return news > before; }));
+}
+
+TEST_F(PostgresCatalogTest, SaysWhichNewsIsOfReplicasAlone) {
+  std::atomic<int> of_replicas = 0;
+  std::atomic<int> of_others = 0;
+  const CatalogNews listener(address_, [&](bool of_replicas_alone) {
+    ++(of_replicas_alone ? of_replicas : of_others);
+  });
+  ASSERT_TRUE(Eventually([&] { return of_others == 1; }));
+  const auto change = [&](Table table, Table also) {
+    return catalog_
+        ->Change([&](Transaction& change) -> absl::Status {
+          TACTUS_RETURN_IF_ERROR(change.Put(table, "a", "1"));
+          return change.Put(also, "a", "1");
+        })
+        .ok();
+  };
+  ASSERT_TRUE(change(Table::kReplicas, Table::kBeats));
+  EXPECT_TRUE(Eventually([&] { return of_replicas == 1; }));
+  ASSERT_TRUE(change(Table::kAliases, Table::kReplicas));
+  EXPECT_TRUE(Eventually([&] { return of_others == 2; }));
+  // Whoever ends may leave a job.
+  ASSERT_TRUE(catalog_
+                  ->Change([](Transaction& change) {
+                    return change.Erase(Table::kReplicas, "a");
+                  })
+                  .ok());
+  EXPECT_TRUE(Eventually([&] { return of_others == 3; }));
+  // Signs of life are no news; what follows them tells.
+  ASSERT_TRUE(change(Table::kBeats, Table::kBeats));
+  ASSERT_TRUE(change(Table::kReplicas, Table::kBeats));
+  EXPECT_TRUE(Eventually([&] { return of_replicas == 2; }));
+  EXPECT_EQ(of_others, 3);
 }
 
 }  // namespace
