@@ -33,6 +33,13 @@ endif()
 # The same input gives the same bits: no contraction that depends on the host.
 add_compile_options(-ffp-contract=off)
 
+# Of Highway's kernels for ARM, those for NEON: neither a Jetson nor a Raspberry
+# Pi has SVE, and where headers are precompiled, gcc 12 crashes on arm_sve.h.
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+  add_compile_definitions(
+    HWY_DISABLED_TARGETS=\(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128\))
+endif()
+
 # A module of Python is a shared library, and so is all that it links; the same
 # for libtactus_c, which nothing replaces a function of, and which keeps only
 # what it calls.

@@ -12,6 +12,7 @@
 #   deploy/install-deps.sh --image    to run deploy/check-image.sh
 #   deploy/install-deps.sh --packages to run deploy/packages.sh
 #   deploy/install-deps.sh --embedded to build libtactus_c
+#   deploy/install-deps.sh --arm64    to run deploy/arm64.sh
 #   deploy/install-deps.sh --list     (with any of these) only prints the names
 #
 # Runs as root, or as a user who may use sudo. Does nothing, and does not use the
@@ -130,6 +131,16 @@ readonly EMBEDDED=(
   pkgconf
   protobuf-compiler
 )
+# The same for 64-bit ARM, on another processor.
+readonly ARM64=(
+  cmake
+  g++-aarch64-linux-gnu
+  mmdebstrap
+  ninja-build
+  protobuf-compiler
+  python3-h5py
+  qemu-user-static
+)
 # The tests, the benchmarks, and the independent references of both.
 readonly TESTS=(
   ccache
@@ -189,6 +200,7 @@ for arg in "$@"; do
     --image) packages=("${IMAGE[@]}") ;;
     --packages) packages+=("${PACKAGES[@]}") ;;
     --embedded) packages=("${EMBEDDED[@]}") ;;
+    --arm64) packages=("${ARM64[@]}") ;;
     --list) list_only=yes ;;
     -h | --help) usage; exit 0 ;;
     *) echo "install-deps: unknown option '$arg'" >&2; usage >&2; exit 2 ;;

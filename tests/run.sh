@@ -5,7 +5,8 @@
 #                              builds the release preset, runs the quick tests
 #   tests/run.sh --full        the long tests and research/ too, trains the
 #                              default bundle again, classifies in Python without
-#                              a server, and --install
+#                              a server, the C interface on 64-bit ARM under
+#                              QEMU, and --install
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
 #                              too (tsan: those of code that has threads)
 #   tests/run.sh --install     every way to install, from minimal roots
@@ -109,6 +110,9 @@ if [[ $full == yes ]]; then
 fi
 # 77: it has said what it lacks.
 unless_lacking() { "$@" || [[ $? -eq 77 ]]; }
+if [[ $full == yes ]]; then
+  step "64-bit ARM" unless_lacking deploy/arm64.sh --test
+fi
 if [[ $install == yes ]]; then
   step "image and other installations" unless_lacking tests/install/run.sh
   step "Debian packages" unless_lacking tests/install/packages.sh

@@ -13,6 +13,8 @@
 
 #include "absl/base/config.h"
 
+// On arm64, the build leaves scalable vectors out of all other kernels too.
+#undef HWY_DISABLED_TARGETS
 #if defined(ABSL_HAVE_ADDRESS_SANITIZER) || defined(ABSL_HAVE_THREAD_SANITIZER)
 #define HWY_DISABLED_TARGETS                                            \
   (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | \
