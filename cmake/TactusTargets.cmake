@@ -56,7 +56,7 @@ function(tactus_test name)
     ${PROJECT_SOURCE_DIR}/tests/support/allocation_counter.cc
     PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   tactus_unity(${name} 20)
-  set_target_properties(${name} PROPERTIES
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(ARG_LAUNCHER)
     add_test(NAME ${name} COMMAND ${ARG_LAUNCHER} $<TARGET_FILE:${name}>)
