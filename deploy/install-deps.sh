@@ -167,13 +167,16 @@ readonly TESTS=(
   openssl
   postgresql-15
   prometheus
+  python3-empy
   python3-h5py
   python3-matplotlib
   python3-pandas
   python3-prometheus-client
+  python3-rosidl
   python3-scipy
   python3-sklearn
   python3-tqdm
+  rosidl-tools
   rsync
   shellcheck
   slurm-client
