@@ -210,7 +210,7 @@ TEST_F(MpiTrainingTest, RanksEndWithTheirLauncher) {
 }
 
 TEST_F(MpiTrainingTest, ARequestToEndReachesAllRanks) {
-  train().set_epochs(2'000);
+  train().set_epochs(10'000);
   const std::string folder = job_.New("cancelled");
   const auto process = Start(folder, 3);
   ASSERT_TRUE(Await([&] {
