@@ -12,27 +12,10 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "values are copied as they lie in memory");
 
-// Preamble and dictionary, padded so that the values begin at a multiple of 64.
-std::string Header(absl::string_view type, const std::vector<size_t>& shape) {
-  constexpr size_t kPreamble = 10;
-  constexpr size_t kAlignment = 64;
-  std::string text = absl::StrCat(
-      "{'descr': '", type, "', 'fortran_order': False, 'shape': (",
-      absl::StrJoin(shape, ", "), shape.size() == 1 ? ",), }" : "), }");
-  const size_t used = kPreamble + text.size() + 1;
-  text.append((kAlignment - used % kAlignment) % kAlignment, ' ');
-  text += '\n';
-  std::string bytes = "\x93NUMPY\x01";
-  bytes += '\0';
-  bytes += static_cast<char>(text.size() % 256);
-  bytes += static_cast<char>(text.size() / 256);
-  return bytes + text;
-}
-
 template <typename Value>
 std::string NumbersNpy(absl::string_view type, const std::vector<size_t>& shape,
                        std::span<const Value> values) {
-  std::string bytes = Header(type, shape);
+  std::string bytes = NpyHeader(type, shape);
   bytes.append(reinterpret_cast<const char*>(values.data()),
                values.size_bytes());
   return bytes;
@@ -65,7 +48,7 @@ std::string Texts(const std::vector<size_t>& shape,
     points.push_back(CodePoints(text));
     length = std::max(length, points.back().size());
   }
-  std::string bytes = Header(absl::StrCat("<U", length), shape);
+  std::string bytes = NpyHeader(absl::StrCat("<U", length), shape);
   for (std::u32string& text : points) {
     text.resize(length);
     bytes.append(reinterpret_cast<const char*>(text.data()),
@@ -75,6 +58,24 @@ std::string Texts(const std::vector<size_t>& shape,
 }
 
 }  // namespace
+
+// Preamble and dictionary, padded so that the values begin at a multiple of 64.
+std::string NpyHeader(absl::string_view type,
+                      const std::vector<size_t>& shape) {
+  constexpr size_t kPreamble = 10;
+  constexpr size_t kAlignment = 64;
+  std::string text = absl::StrCat(
+      "{'descr': '", type, "', 'fortran_order': False, 'shape': (",
+      absl::StrJoin(shape, ", "), shape.size() == 1 ? ",), }" : "), }");
+  const size_t used = kPreamble + text.size() + 1;
+  text.append((kAlignment - used % kAlignment) % kAlignment, ' ');
+  text += '\n';
+  std::string bytes = "\x93NUMPY\x01";
+  bytes += '\0';
+  bytes += static_cast<char>(text.size() % 256);
+  bytes += static_cast<char>(text.size() / 256);
+  return bytes + text;
+}
 
 std::string NpyBytes(const std::vector<size_t>& shape,
                      std::span<const double> values) {

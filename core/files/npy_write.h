@@ -30,6 +30,9 @@ std::string NpyBytes(const std::vector<size_t>& shape,
 std::string NpyBytes(const std::vector<size_t>& shape,
                      std::span<const int16_t> values);
 
+// What stands before the values of an array of `type`, such as "<f4".
+std::string NpyHeader(absl::string_view type, const std::vector<size_t>& shape);
+
 // A vector of texts, which are UTF-8.
 std::string NpyText(const std::vector<std::string>& texts);
 // A single text.

@@ -17,8 +17,10 @@
 #include "core/data/trial_file.h"
 #include "core/data/trial_id.h"
 #include "core/data/trial_npz.h"
+#include "core/data/trial_zarr.h"
 #include "core/files/csv.h"
 #include "core/files/file_bytes.h"
+#include "core/files/zarr.h"
 #include "core/import/import_recording.h"
 #include "core/import/import_skin_folder.h"
 #include "core/import/odd_rates.h"
@@ -48,7 +50,9 @@ absl::StatusOr<std::vector<std::string>> TrialFiles(const std::string& folder) {
   if (error) return IoError(folder, error.message());
   if (files.empty()) {
     return TrialFileInvalid(
-        folder, "holds neither a skin.json nor CSV or .npz files of trials");
+        folder,
+        "holds neither a skin.json nor CSV or .npz files of trials, and is no "
+        "group of Zarr, version 2");
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -84,6 +88,41 @@ absl::StatusOr<size_t> ImportFiles(const std::vector<std::string>& files,
     TACTUS_RETURN_IF_ERROR(sink(std::move(trial)));
   }
   return files.size();
+}
+
+// One group of Zarr, whose name is the id.
+absl::StatusOr<Trial> ImportZarrTrial(const fs::path& folder) {
+  TACTUS_ASSIGN_OR_RETURN(Trial trial, TrialFromZarr(folder));
+  trial.id = folder.filename().string();
+  if (trial.source.empty()) trial.source = trial.id;
+  TACTUS_RETURN_IF_ERROR(CheckTimes(folder, trial));
+  return trial;
+}
+
+// A group that is a trial, or the groups in it.
+absl::StatusOr<size_t> ImportZarr(const std::string& path, TrialSink sink) {
+  fs::path folder(path);
+  // "out/" has no name.
+  if (!folder.has_filename()) folder = folder.parent_path();
+  std::vector<fs::path> trials;
+  if (IsZarrArray(folder / "time")) trials.push_back(folder);
+  std::error_code error;
+  if (trials.empty()) {
+    for (fs::directory_iterator it(folder, error), end; !error && it != end;
+         it.increment(error)) {
+      if (IsZarrGroup(it->path())) trials.push_back(it->path());
+    }
+  }
+  if (error) return IoError(path, error.message());
+  if (trials.empty()) {
+    return TrialFileInvalid(path, "is a group of Zarr without trials");
+  }
+  std::sort(trials.begin(), trials.end());
+  for (const fs::path& one : trials) {
+    TACTUS_ASSIGN_OR_RETURN(Trial trial, ImportZarrTrial(one));
+    TACTUS_RETURN_IF_ERROR(sink(std::move(trial)));
+  }
+  return trials.size();
 }
 
 absl::Status SetMetadata(const std::string& path, const CsvTable& table,
@@ -259,6 +298,7 @@ absl::StatusOr<size_t> ImportFrom(const std::string& path, TrialSink sink,
       return ImportSkinFolder(path, options, sink);
     }
     TACTUS_RETURN_IF_ERROR(RefuseOptions(path, options));
+    if (IsZarrGroup(path)) return ImportZarr(path, sink);
     TACTUS_ASSIGN_OR_RETURN(const auto files, TrialFiles(path));
     return ImportFiles(files, sink);
   }

@@ -31,7 +31,9 @@
 #include "core/data/trial_id.h"
 #include "core/data/trial_layout.h"
 #include "core/data/trial_loads.h"
+#include "core/data/trial_arrays.h"
 #include "core/data/trial_npz.h"
+#include "core/data/trial_zarr.h"
 #include "core/data/trial_pack.h"
 #include "core/data/trial_record.h"
 #include "core/features/skin_tracker.h"
@@ -53,6 +55,7 @@
 #include "core/files/npy.h"
 #include "core/files/npy_write.h"
 #include "core/files/npz.h"
+#include "core/files/zarr.h"
 #include "core/files/number_cells.h"
 #include "core/files/number_text.h"
 #include "core/import/event_frames.h"
@@ -371,6 +374,21 @@ static void TrialLoadsExample(const Trial& trial, const SkinLayout& skin,
 
 static absl::Status TrialNpzExample(const Trial& trial) {
 #include "core/data/trial_npz.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status ZarrExample(std::span<const double> time) {
+#include "core/files/zarr.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status TrialArraysExample(const Trial& trial) {
+#include "core/data/trial_arrays.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status TrialZarrExample(const Trial& trial) {
+#include "core/data/trial_zarr.h.inc"
   return absl::OkStatus();
 }
 

@@ -2,8 +2,10 @@
 
 #include "core/base/errors.h"
 #include "core/data/trial_csv.h"
+#include "core/data/trial_zarr.h"
 #include "core/files/npy_write.h"
 #include "core/files/npz.h"
+#include "core/files/zarr.h"
 #include "core/import/import.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -113,6 +115,41 @@ TEST(TrialNpzTest, ImportTakesFoldersOfThem) {
   EXPECT_EQ(imported[0].source, trial.source);
   imported[0].id = trial.id;
   EXPECT_TRUE(SameBits(imported[0], trial));
+}
+
+TEST(TrialZarrTest, EveryTrialComesBackBitForBit) {
+  const ScratchDir dir;
+  std::vector<Trial> trials = {FullTrial(3, 17, false), FullTrial(4, 17, true),
+                               TrialOfTouches(5, 17),
+                               TrialOfAxes(6, 5, v1::TAXEL_TYPE_INT16),
+                               TrialOfAxes(7, 5, v1::TAXEL_TYPE_FLOAT32)};
+  ASSERT_TRUE(MakeZarrGroup(dir / "z").ok());
+  for (size_t i = 0; i < trials.size(); ++i) {
+    trials[i].id = std::string(1, static_cast<char>('a' + i));
+    ASSERT_TRUE(TrialToZarr(trials[i], dir / "z" + "/" + trials[i].id).ok());
+  }
+  // Once with the slash that shells complete.
+  for (const std::string& path : {dir / "z", dir / "z/"}) {
+    size_t i = 0;
+    const auto count = ImportTrials(path, [&](const Trial& back) {
+      EXPECT_TRUE(SameBits(back, trials.at(i++)));
+      return absl::OkStatus();
+    });
+    ASSERT_TRUE(count.ok()) << count.status();
+    EXPECT_EQ(*count, trials.size());
+  }
+  // One trial alone, and a group with none.
+  EXPECT_EQ(*ImportTrials(dir / "z/c",
+                          [&](const Trial& back) {
+                            EXPECT_TRUE(SameBits(back, trials[2]));
+                            return absl::OkStatus();
+                          }),
+            1u);
+  ASSERT_TRUE(MakeZarrGroup(dir / "none").ok());
+  const auto none =
+      ImportTrials(dir / "none", [](const Trial&) { return absl::OkStatus(); });
+  EXPECT_THAT(std::string(none.status().message()),
+              HasSubstr("without trials"));
 }
 
 TEST(TrialCsvTest, SignalsComeBackBitForBit) {

@@ -11,7 +11,9 @@
 #include "core/data/trial_csv.h"
 #include "core/data/trial_file.h"
 #include "core/data/trial_npz.h"
+#include "core/data/trial_zarr.h"
 #include "core/files/draft_file.h"
+#include "core/files/zarr.h"
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/progress_display.h"
 
@@ -36,8 +38,8 @@ class Writer {
   static absl::StatusOr<Writer> Create(const ExportTrialsFlags& flags) {
     Writer writer(flags.format, flags.out);
     if (flags.format != "npz" && flags.format != "csv" &&
-        flags.format != "hdf5") {
-      return InvalidConfig("--format", flags.format, "npz, csv or hdf5");
+        flags.format != "zarr" && flags.format != "hdf5") {
+      return InvalidConfig("--format", flags.format, "npz, csv, zarr or hdf5");
     }
     TACTUS_RETURN_IF_ERROR(MakeFolder(flags.out));
     if (flags.format == "hdf5") {
@@ -45,6 +47,9 @@ class Writer {
           writer.hdf5_,
           TrialFileWriter::Create(fs::path(flags.out) / "trials.h5",
                                   {.overwrite = true}));
+    }
+    if (flags.format == "zarr") {
+      TACTUS_RETURN_IF_ERROR(MakeZarrGroup(flags.out));
     }
     return writer;
   }
@@ -54,6 +59,9 @@ class Writer {
     if (format_ == "npz") {
       TACTUS_ASSIGN_OR_RETURN(const std::string bytes, TrialToNpz(trial));
       return WriteFileBytes(fs::path(out_) / (trial.id + ".npz"), bytes);
+    }
+    if (format_ == "zarr") {
+      return TrialToZarr(trial, fs::path(out_) / trial.id);
     }
     if (!trial.signals.empty()) {
       TACTUS_ASSIGN_OR_RETURN(const std::string table, SignalsToCsv(trial));
@@ -118,8 +126,10 @@ void AddExportTrials(CLI::App& app, const SelectCommand& select) {
                "export mine.h5 --format=npz --out=exported");
   command->add_option("data", flags->data, "Trial file")->required();
   command
-      ->add_option("--format", flags->format,
-                   "npz or csv (one file a trial), or hdf5 (one trial file)")
+      ->add_option(
+          "--format", flags->format,
+          "npz or csv (one file a trial), zarr (one group a trial), or "
+          "hdf5 (one trial file)")
       ->required();
   command->add_option("--out", flags->out, "Folder to write to")->required();
   command->add_option("--trial", flags->trials,

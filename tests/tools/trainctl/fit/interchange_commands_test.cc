@@ -164,7 +164,7 @@ TEST(TrialsCommandTest, TrialsComeBackThroughEveryFormat) {
   for (const Trial& trial : trials) ASSERT_TRUE(writer->Append(trial).ok());
   ASSERT_TRUE(writer->Close().ok());
 
-  for (const std::string format : {"npz", "csv", "hdf5"}) {
+  for (const std::string format : {"npz", "csv", "zarr", "hdf5"}) {
     const std::string out = dir / format;
     EXPECT_EQ(Inside(RunTrainctl("trials export " + data + " --json --format=" +
                                  format + " --out=" + out))["trials"],
