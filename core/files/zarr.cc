@@ -56,6 +56,11 @@ std::string ZarrPath(const std::string& folder, const std::string& name) {
   return fs::path(folder) / name;
 }
 
+// The package zarr reads descriptions and attributes as ASCII.
+std::string AsciiText(const ZarrJson& json) {
+  return json.dump(4, ' ', /*ensure_ascii=*/true);
+}
+
 // Numbers of an array, its type as NumPy names it, and the bytes of each.
 struct Payload {
   std::string type;
@@ -119,7 +124,7 @@ absl::Status WriteZarrArray(const std::string& folder, const NpyArray& array) {
     TACTUS_RETURN_IF_ERROR(
         WriteFileBytes(ZarrPath(folder, absl::StrCat(number, rest)), packed));
   }
-  return WriteFileBytes(ZarrPath(folder, kArrayFile), description.dump(4));
+  return WriteFileBytes(ZarrPath(folder, kArrayFile), AsciiText(description));
 }
 
 absl::StatusOr<ZarrJson> ReadJson(const std::string& path) {
@@ -405,7 +410,7 @@ absl::Status WriteZarr(
     TACTUS_RETURN_IF_ERROR(MakeZarrFolder(inside));
     if (!group->second.empty()) {
       TACTUS_RETURN_IF_ERROR(WriteFileBytes(ZarrPath(inside, kAttributesFile),
-                                            group->second.dump(4)));
+                                            AsciiText(group->second)));
     }
     TACTUS_RETURN_IF_ERROR(MakeZarrGroup(inside));
   }

@@ -61,6 +61,9 @@ TEST(ZarrTest, WhatIsWrittenIsRead) {
   EXPECT_THAT(arrays->at("deep/er/number").f64, ElementsAre(0.1));
   EXPECT_THAT(arrays->at("deep/text").text, ElementsAre(text));
   EXPECT_THAT(arrays->at("empty").text, ElementsAre(""));
+  // The package zarr 2.13 takes ASCII alone.
+  EXPECT_THAT(*ReadFileBytes(dir / "g/deep/.zattrs", 1 << 20),
+              HasSubstr("gr\\u00fcn"));
   EXPECT_EQ(ReasonOf(WriteZarr(dir / "g", {})), "IO");
 }
 
