@@ -170,9 +170,10 @@ JobQueue::Job JobQueue::NextJob(bool training) {
   }
   if (!waiting.ok()) return {};
   // Most of those that run have a server that lives.
-  std::ranges::stable_partition(*waiting, [](const Operation& operation) {
-    return operation.state() == Operation::STATE_QUEUED;
-  });
+  std::stable_partition(waiting->begin(), waiting->end(),
+                        [](const Operation& operation) {
+                          return operation.state() == Operation::STATE_QUEUED;
+                        });
   for (const Operation& operation : *waiting) {
     if ((operation.kind() == Operation::KIND_TRAIN) != training) continue;
     auto lock = data_->locks().TryTake(operation.name());

@@ -80,9 +80,14 @@ int PostgresServer::Run(std::vector<std::string> words) const {
 }
 
 void PostgresServer::Start() {
-  server_ = Run({"postgres", "-D", (folder_ / "data").string()});
+  const std::vector<std::string> command = {"postgres", "-D",
+                                            (folder_ / "data").string()};
+  server_ = Run(command);
   const std::string socket = folder_;
   for (int i = 0; i < 2'400; ++i) {
+    // While a process of one that was killed still ends, its memory is in use,
+    // and the next one does not begin.
+    if (waitpid(server_, nullptr, WNOHANG) == server_) server_ = Run(command);
     if (Run({"pg_isready", "-q", "-h", socket, "-U", "tactus"}) == 0) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
