@@ -1,6 +1,7 @@
 #include "server/jobs/slurm_job.h"
 
 #include <algorithm>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "core/base/errors.h"
+#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/store/file_system.h"
 #include "server/trainer/exit_status.h"
@@ -22,12 +24,11 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kCommandPatience(20'000);
-// For what an earlier server has submitted and cancelled now.
 constexpr milliseconds kCancelPatience(60'000);
 constexpr milliseconds kSlurmPoll(100);
 constexpr int64_t kEventReadBytes = 64 * 1024;
-constexpr int64_t kMaxNumberBytes = 100;
 constexpr int64_t kSlurmMib = 1024L * 1024;
+constexpr size_t kNameDigits = 16;
 
 // As the shell takes it for one word.
 std::string Quoted(const std::string& word) {
@@ -72,13 +73,36 @@ std::string TextOf(absl::string_view state) {
   return absl::StrCat("ended in Slurm as ", state);
 }
 
-absl::StatusOr<std::string> Asked(const std::vector<std::string>& words) {
+// What Slurm's programs say if they do not reach it.
+bool IsSilence(absl::string_view output) {
+  for (const char* const words :
+       {"Unable to contact slurm controller", "Unable to establish controller",
+        "backup controller in standby", "Socket timed out",
+        "Connection refused", "Zero Bytes were transmitted"}) {
+    if (absl::StrContains(output, words)) return true;
+  }
+  return false;
+}
+
+// What a program of Slurm printed; nothing if Slurm does not answer. IO with
+// what it says if it refuses.
+absl::StatusOr<std::optional<std::string>> Asked(
+    const std::vector<std::string>& words) {
   TACTUS_ASSIGN_OR_RETURN(const CommandResult result,
                           RunCommand(words, kCommandPatience));
+  if (result.late || (result.status != 0 && IsSilence(result.output))) {
+    return std::optional<std::string>();
+  }
   if (result.status != 0) {
     return IoError(words[0], absl::StripAsciiWhitespace(result.output));
   }
-  return result.output;
+  return std::optional<std::string>(result.output);
+}
+
+// Slurm's name of the jobs of a folder: it finds those of which no server has
+// heard the number.
+std::string NameOf(const std::string& folder) {
+  return absl::StrCat("tactus-", Sha256Hex(folder).substr(0, kNameDigits));
 }
 
 absl::StatusOr<SlurmState> StateOf(const std::string& number) {
@@ -92,26 +116,6 @@ absl::StatusOr<SlurmState> StateOf(const std::string& number) {
                       .end = {.text = "is not known to Slurm any more"}};
   }
   return IoError("scontrol", absl::StripAsciiWhitespace(shown->output));
-}
-
-// Ends what was submitted for the folder before.
-absl::Status CancelEarlier(const std::string& file) {
-  FileSystem& files = PosixFileSystem();
-  TACTUS_ASSIGN_OR_RETURN(const int64_t size, files.Size(file));
-  if (size < 0) return absl::OkStatus();
-  TACTUS_ASSIGN_OR_RETURN(const std::string number,
-                          ReadWhole(files, file, kMaxNumberBytes));
-  const auto deadline = steady_clock::now() + kCancelPatience;
-  while (true) {
-    TACTUS_ASSIGN_OR_RETURN(const SlurmState state, StateOf(number));
-    if (state.ended) return absl::OkStatus();
-    if (steady_clock::now() >= deadline) {
-      return IoError("scancel",
-                     absl::StrCat("job ", number, " of Slurm does not end"));
-    }
-    TACTUS_RETURN_IF_ERROR(Asked({"scancel", number}).status());
-    std::this_thread::sleep_for(kSlurmPoll);
-  }
 }
 
 // A new try must not read the events of an earlier one.
@@ -156,57 +160,90 @@ SlurmState ParseSlurmState(absl::string_view text) {
 
 absl::StatusOr<std::unique_ptr<SlurmJob>> SlurmJob::Start(
     const Options& options, const std::string& folder) {
-  FileSystem& files = PosixFileSystem();
-  const std::string file = folder + "/slurm";
-  TACTUS_RETURN_IF_ERROR(CancelEarlier(file));
-  TACTUS_RETURN_IF_ERROR(RemoveEvents(folder));
-  const std::string script = folder + "/batch.sh";
+  std::unique_ptr<SlurmJob> job(new SlurmJob(options, folder));
+  TACTUS_RETURN_IF_ERROR(job->Submit());
+  return job;
+}
+
+absl::StatusOr<bool> SlurmJob::EndEarlier() const {
+  TACTUS_ASSIGN_OR_RETURN(const auto listed,
+                          Asked({"squeue", "--me", "--noheader", "--format=%A",
+                                 absl::StrCat("--name=", NameOf(folder_))}));
+  if (!listed) return false;
+  const std::vector<std::string> numbers =
+      absl::StrSplit(*listed, absl::ByAnyChar(" \n"), absl::SkipEmpty());
+  if (numbers.empty()) return true;
+  std::vector<std::string> words = {"scancel"};
+  words.insert(words.end(), numbers.begin(), numbers.end());
+  TACTUS_RETURN_IF_ERROR(Asked(words).status());
+  return false;
+}
+
+absl::Status SlurmJob::Submit() {
+  tried_ = steady_clock::now();
+  TACTUS_ASSIGN_OR_RETURN(const bool alone, EndEarlier());
+  if (!alone) return absl::OkStatus();
+  TACTUS_RETURN_IF_ERROR(RemoveEvents(folder_));
+  const std::string script = folder_ + "/batch.sh";
   TACTUS_RETURN_IF_ERROR(
-      WriteAtomically(files, script, ScriptOf(options, folder)));
+      WriteAtomically(PosixFileSystem(), script, ScriptOf(options_, folder_)));
   std::vector<std::string> words = {
       "sbatch",
       "--parsable",
       "--requeue",
-      "--job-name=tactus",
-      absl::StrCat("--chdir=", folder),
-      absl::StrCat("--output=", folder, "/log"),
+      absl::StrCat("--job-name=", NameOf(folder_)),
+      absl::StrCat("--chdir=", folder_),
+      absl::StrCat("--output=", folder_, "/log"),
       "--open-mode=append",
-      absl::StrCat("--ntasks=", options.ranks),
-      absl::StrCat("--cpus-per-task=", std::max(options.process.start_threads,
-                                                options.process.threads))};
-  if (options.process.memory_bytes > 0) {
-    const int64_t mib = options.process.memory_bytes / kSlurmMib;
-    words.push_back(absl::StrCat("--mem=", mib * options.ranks, "M"));
+      absl::StrCat("--ntasks=", options_.ranks),
+      absl::StrCat("--cpus-per-task=", std::max(options_.process.start_threads,
+                                                options_.process.threads))};
+  if (options_.process.memory_bytes > 0) {
+    const int64_t mib = options_.process.memory_bytes / kSlurmMib;
+    words.push_back(absl::StrCat("--mem=", mib * options_.ranks, "M"));
   }
-  words.insert(words.end(), options.sbatch.begin(), options.sbatch.end());
+  words.insert(words.end(), options_.sbatch.begin(), options_.sbatch.end());
   words.push_back(script);
-  TACTUS_ASSIGN_OR_RETURN(const std::string printed, Asked(words));
+  TACTUS_ASSIGN_OR_RETURN(const auto printed, Asked(words));
+  // It may have the job all the same; the next try ends that.
+  if (!printed) return absl::OkStatus();
   // "42", or "42;cluster" of several clusters.
   const std::string number(absl::StripAsciiWhitespace(
-      printed.substr(0, printed.find_first_of(";\n"))));
+      printed->substr(0, printed->find_first_of(";\n"))));
   int64_t value = 0;
   if (!absl::SimpleAtoi(number, &value)) {
-    return IoError("sbatch", absl::StrCat("printed no number of a job: ",
-                                          absl::StripAsciiWhitespace(printed)));
+    return IoError("sbatch",
+                   absl::StrCat("printed no number of a job: ",
+                                absl::StripAsciiWhitespace(*printed)));
   }
-  std::unique_ptr<SlurmJob> job(new SlurmJob(options, folder, number));
-  const absl::Status kept = WriteAtomically(files, file, number);
-  if (!kept.ok()) {
-    job->Terminate(true);
-    return kept;
-  }
-  return job;
+  number_ = number;
+  return absl::OkStatus();
+}
+
+void SlurmJob::EndUnsubmitted(const std::string& text) {
+  state_.ended = true;
+  state_.end = {.text = text};
 }
 
 void SlurmJob::Ask() {
   const auto now = steady_clock::now();
-  if (state_.ended || now - asked_ < options_.interval) return;
-  asked_ = now;
+  if (state_.ended || now - tried_ < options_.interval) return;
+  if (number_.empty()) {
+    const absl::Status submitted = Submit();
+    if (!submitted.ok()) {
+      EndUnsubmitted(
+          absl::StrCat("was not taken by Slurm: ", submitted.message()));
+    }
+    return;
+  }
+  tried_ = now;
   const auto state = StateOf(number_);
   if (state.ok()) state_ = *state;
 }
 
 bool SlurmJob::Read() {
+  // What is there before is of an earlier submission.
+  if (number_.empty()) return false;
   FileSystem& files = PosixFileSystem();
   const auto path = [&](int start) {
     return absl::StrCat(folder_, "/events.", start);
@@ -257,6 +294,9 @@ void SlurmJob::Terminate(bool kill) {
   if (now - terminated_ < options_.interval && kill == killed_) return;
   terminated_ = now;
   killed_ = kill;
+  if (number_.empty()) return EndUnsubmitted("had not begun in Slurm");
+  // It may have begun since.
+  if (const auto state = StateOf(number_); state.ok()) state_ = *state;
   // A job that waits has no process that could hear. What fails here is seen by
   // Wait.
   if (!kill && !state_.waits) {

@@ -11,11 +11,11 @@
 // The batch script runs tactus-trainer, whose events go to the file "events.N"
 // of the folder; N is how often Slurm has started the script. If Slurm requeues
 // it, after a node has failed or for a more urgent job, it goes on from its
-// checkpoints. The file "slurm" has Slurm's number, so that whoever starts the
-// job again first cancels what may still run of it.
+// checkpoints. Its name in Slurm is made of the folder; whoever starts the job
+// again finds by it what may still run, and cancels that first.
 //
-// Slurm is asked by its programs. While it does not answer, the job is taken to
-// run. Not thread-safe, except Terminate.
+// Slurm is asked by its programs. While it does not answer, a job is submitted
+// again, and one that was submitted is taken to run. Not thread-safe.
 #pragma once
 
 #include <chrono>
@@ -56,8 +56,9 @@ class SlurmJob final : public JobRun {
     std::chrono::milliseconds interval{2'000};
   };
 
-  // Submits the job, after what an earlier call has submitted for this folder
-  // has ended. IO, with what Slurm says.
+  // Submits the job. If Slurm does not answer, or what an earlier call has
+  // submitted for this folder has not ended, `Next` does. IO, with what Slurm
+  // says, if it refuses.
   static absl::StatusOr<std::unique_ptr<SlurmJob>> Start(
       const Options& options, const std::string& folder);
 
@@ -65,23 +66,28 @@ class SlurmJob final : public JobRun {
   void Terminate(bool kill) override;
   End Wait(std::chrono::milliseconds patience) override;
 
-  // Slurm's number of the job.
+  // Slurm's number of the job; empty until Slurm has taken it.
   const std::string& number() const { return number_; }
 
  private:
-  SlurmJob(const Options& options, std::string folder, std::string number)
-      : options_(options),
-        folder_(std::move(folder)),
-        number_(std::move(number)) {}
-  // Asks Slurm, unless it was asked lately.
+  SlurmJob(const Options& options, std::string folder)
+      : options_(options), folder_(std::move(folder)) {}
+  // One try to give the job to Slurm. IO if Slurm refuses.
+  absl::Status Submit();
+  // Cancels what was submitted for the folder before; true once all of it has
+  // ended.
+  absl::StatusOr<bool> EndEarlier() const;
+  void EndUnsubmitted(const std::string& text);
+  // Asks Slurm how the job stands, or to take it, unless it was asked lately.
   void Ask();
   // Reads on in the files of events. False if there was nothing new.
   bool Read();
 
   const Options options_;
   const std::string folder_;
-  const std::string number_;
-  std::chrono::steady_clock::time_point asked_ = {};
+  std::string number_;
+  // When Slurm was last asked.
+  std::chrono::steady_clock::time_point tried_ = {};
   // When it was last asked to end, and whether at once.
   std::chrono::steady_clock::time_point terminated_ = {};
   bool killed_ = false;

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <set>
 #include <string>
@@ -182,8 +183,9 @@ TEST_F(SlurmJobTest, ASecondStartEndsTheFirstAndGoesOn) {
   const auto first = Start(folder);
   ASSERT_TRUE(Await([&] { return HasCheckpoint(folder); }));
   const auto second = Start(folder);
-  EXPECT_NE(first->number(), second->number());
   EXPECT_TRUE(BundleOf(folder, *second) == expected);
+  EXPECT_NE(first->number(), second->number());
+  EXPECT_NE(second->number(), "");
   // What was trained before is not trained again.
   EXPECT_EQ(points_.count({"lstm/0", 1}), 0u);
   EXPECT_EQ(points_.count({"lstm/0", 60}), 1u);
@@ -209,6 +211,44 @@ TEST_F(SlurmJobTest, WhatSlurmRequeuesGoesOn) {
   EXPECT_TRUE(ReadBytes(folder + "/bundle.tactus") == expected);
   EXPECT_TRUE(std::filesystem::exists(folder + "/events.1"));
   EXPECT_EQ(points_.count({"lstm/0", 60}), 1u);
+}
+
+// What Slurm's programs see while slurmctld is away.
+class SlurmAwayTest : public SlurmJobTest {
+ protected:
+  void SetUp() override {
+    SlurmJobTest::SetUp();
+    if (slurm_ == 0) return;
+    const std::string away = folder_ + "/away.conf";
+    // The last of equal keys counts.
+    std::ofstream(away) << ReadBytes(folder_ + "/slurm.conf")
+                        << "SlurmctldPort=1\nMessageTimeout=2\n";
+    setenv("SLURM_CONF", away.c_str(), 1);
+  }
+  void TearDown() override { ComesBack(); }
+  static void ComesBack() {
+    setenv("SLURM_CONF", (folder_ + "/slurm.conf").c_str(), 1);
+  }
+};
+
+TEST_F(SlurmAwayTest, AJobIsSubmittedOnceSlurmAnswers) {
+  const std::string expected = Expected();
+  const std::string folder = job_.New("early");
+  const auto run = Start(folder);
+  v1::JobEvent event;
+  EXPECT_EQ(run->Next(milliseconds(300), &event), JobRun::News::kNone);
+  EXPECT_EQ(run->number(), "");
+  ComesBack();
+  EXPECT_TRUE(BundleOf(folder, *run) == expected);
+  EXPECT_NE(run->number(), "");
+}
+
+TEST_F(SlurmAwayTest, AJobThatWasNotSubmittedCanBeCancelled) {
+  const auto run = Start(job_.New("given up"));
+  run->Terminate(/*kill=*/false);
+  const JobRun::End end = Follow(*run);
+  EXPECT_FALSE(end.ok);
+  EXPECT_EQ(end.text, "had not begun in Slurm");
 }
 
 TEST_F(SlurmJobTest, ARefusalSaysWhatSlurmSays) {
