@@ -2,8 +2,8 @@
 
 #include <sched.h>
 
+#include <algorithm>
 #include <chrono>
-#include <limits>
 #include <thread>
 #include <utility>
 
@@ -22,6 +22,8 @@ using std::chrono::steady_clock;
 constexpr microseconds kEager(200);
 constexpr microseconds kSleep(50);
 constexpr int kTellTag = 1;
+// What a rank gives at once: MPI counts the bytes of all ranks in an int.
+constexpr int64_t kSliceBytes = 4 * 1024 * 1024;
 
 }  // namespace
 
@@ -61,43 +63,54 @@ absl::StatusOr<std::vector<std::string>> MpiTeam::Exchange(
     header.told = told_;
   }
   const std::vector<Header> headers = ExchangeHeaders(header);
-  std::vector<int> counts;
-  std::vector<int> places;
-  int64_t all = 0;
+  std::vector<std::string> given(size_);
+  int64_t longest = 0;
   for (const Header& of_rank : headers) {
-    if (all + of_rank.bytes > std::numeric_limits<int>::max()) {
-      // All ranks see the same headers, so all end here.
-      error_ = NumericalFailure(absl::StrCat("the ranks exchange more than ",
-                                             std::numeric_limits<int>::max(),
-                                             " bytes at once"));
-      return error_;
-    }
-    counts.push_back(static_cast<int>(of_rank.bytes));
-    places.push_back(static_cast<int>(all));
-    all += of_rank.bytes;
+    longest = std::max(longest, of_rank.bytes);
   }
-  std::string received(static_cast<size_t>(all), '\0');
-  MPI_Request request;
-  {
-    const std::lock_guard lock(mutex_);
-    MPI_Iallgatherv(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE,
-                    received.data(), counts.data(), places.data(), MPI_BYTE,
-                    MPI_COMM_WORLD, &request);
+  for (int64_t at = 0; at < longest; at += kSliceBytes) {
+    ExchangeSlice(at, bytes, headers, given);
   }
-  Wait(request);
   HearAll(headers);
-  std::vector<std::string> given;
   for (int rank = 0; rank < size_; ++rank) {
-    given.push_back(received.substr(places[rank], counts[rank]));
     if (headers[rank].failed == 0 || !error_.ok()) continue;
     v1::Status status;
     error_ =
-        status.ParseFromString(given.back())
+        status.ParseFromString(given[rank])
             ? FromStatusProto(status)
             : absl::InternalError(absl::StrCat("rank ", rank, " has failed"));
   }
   if (!error_.ok()) return error_;
   return given;
+}
+
+void MpiTeam::ExchangeSlice(int64_t at, const std::string& bytes,
+                            const std::vector<Header>& headers,
+                            std::vector<std::string>& given) {
+  const auto length = [at](int64_t size) {
+    return static_cast<int>(std::clamp<int64_t>(size - at, 0, kSliceBytes));
+  };
+  std::vector<int> counts;
+  std::vector<int> places;
+  int all = 0;
+  for (const Header& of_rank : headers) {
+    counts.push_back(length(of_rank.bytes));
+    places.push_back(all);
+    all += counts.back();
+  }
+  std::string received(static_cast<size_t>(all), '\0');
+  const int mine = counts[rank_];
+  MPI_Request request;
+  {
+    const std::lock_guard lock(mutex_);
+    MPI_Iallgatherv(mine > 0 ? bytes.data() + at : nullptr, mine, MPI_BYTE,
+                    received.data(), counts.data(), places.data(), MPI_BYTE,
+                    MPI_COMM_WORLD, &request);
+  }
+  Wait(request);
+  for (int rank = 0; rank < size_; ++rank) {
+    given[rank].append(received, places[rank], counts[rank]);
+  }
 }
 
 std::vector<MpiTeam::Header> MpiTeam::ExchangeHeaders(const Header& mine) {

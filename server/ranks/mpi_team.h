@@ -62,6 +62,10 @@ class MpiTeam final : public Team {
   // Sleeps until the request is done, and hears meanwhile.
   void Wait(MPI_Request& request);
   std::vector<Header> ExchangeHeaders(const Header& mine);
+  // Adds to `given` a slice of what each rank gives, from byte `at` on.
+  void ExchangeSlice(int64_t at, const std::string& bytes,
+                     const std::vector<Header>& headers,
+                     std::vector<std::string>& given);
   // At the first rank: until all has come that was told before `headers`.
   void HearAll(const std::vector<Header>& headers);
 
