@@ -286,6 +286,12 @@ std::vector<std::string> StyleViolations(const std::string& path,
   // Spelt apart, so that this file keeps its own rule.
   const std::array<std::string, 2> leftovers = {std::string("TO") + "DO",
                                                 std::string("FIX") + "ME"};
+  // These return a std::ranges::subrange, and clang builds for the sanitizers.
+  const std::string ranges = std::string("std::") + "ranges::";
+  const std::array<std::string, 8> subranges = {
+      ranges + "stable_partition(", ranges + "partition(", ranges + "remove",
+      ranges + "unique(",           ranges + "rotate(",    ranges + "search(",
+      ranges + "equal_range(",      ranges + "find_end("};
   int number = 0;
   bool in_comment = false;
   for (const std::string& line : lines) {
@@ -310,6 +316,11 @@ std::vector<std::string> StyleViolations(const std::string& path,
     for (const std::string& word : leftovers) {
       if (!absl::StrContains(line, word)) continue;
       violations.push_back(absl::StrCat(path, ":", number, ": ", word));
+    }
+    for (const std::string& name : subranges) {
+      if (!absl::StrContains(line, name)) continue;
+      violations.push_back(
+          absl::StrCat(path, ":", number, ": clang 14 cannot compile ", name));
     }
     // It throws on text that is not UTF-8.
     if (absl::StrContains(line, ".dump(") &&

@@ -351,6 +351,9 @@ TEST(StyleRuleTest, EachRuleCanFail) {
               ElementsAre(HasSubstr("has 81 columns")));
   EXPECT_THAT(StyleViolations("client/a.cc", "out << json.dump();\n"),
               ElementsAre(HasSubstr("JsonText()")));
+  EXPECT_THAT(StyleViolations("core/a.cc",
+                              std::string("std::ran") + "ges::unique(a);\n"),
+              ElementsAre(HasSubstr("clang 14")));
   EXPECT_THAT(StyleViolations("core/hmm/b.h", header),
               Contains(HasSubstr("must begin with // File: b.h")));
   EXPECT_THAT(StyleViolations("core/hmm/a.h", ""),
