@@ -29,10 +29,6 @@ NETWORK_BYTES = (150_000, 40_000)
 KEPT_CONTACTS = 70_000
 CONTACT_BYTES = 16_000
 FIXED_BYTES = 5e8
-# Of what ranks exchange at once: an int of MPI.
-MOST_EXCHANGED = 2**31 - 1
-# A contact's scores at 17 times: four classes by HMMs and LSTMs, an estimate, a label.
-SCORE_BYTES = 17 * 150
 # Assumed of a network between hosts: 10 Gbit/s Ethernet with TCP.
 HOP_SECONDS = 50e-6
 BYTES_PER_SECOND = 1.1e9
@@ -143,11 +139,6 @@ def memory(contacts):
     return FIXED_BYTES + CONTACT_BYTES * contacts
 
 
-def fails(contacts, ranks):
-    """True if the scores of all contacts are too large for one exchange."""
-    return ranks > 1 and HELD_OUT * contacts * SCORE_BYTES > MOST_EXCHANGED
-
-
 def read(path):
     with open(path, encoding="utf-8", newline="") as file:
         return [
@@ -181,7 +172,7 @@ def print_report(rows):
         for shards in (1, 8, 32):
             times = [
                 duration(predicted_time(cost, contacts, shards, EPOCHS, 2**k))
-                + ("*" if fails(contacts, 2**k) else "") for k in range(7)
+                for k in range(7)
             ]
             print(f"| {contacts} | {shards} | {memory(contacts) / 1e9:.1f} | "
                   f"{' | '.join(times)} |")
