@@ -2,6 +2,7 @@
 """Writes docs/own-skins.md: what trainctl makes of recordings of skins it did not know.
 
     research/own_skins.py TRAINCTL FOLDER [--seeds=5] >docs/own-skins.md
+    research/own_skins.py TRAINCTL FOLDER --only=eflesh     one set: its rows and its part
 
 FOLDER holds a folder and a trial file of each set, fabric and fabric.h5 and so on. They
 are made by the scripts of examples/recordings and by `trainctl import`:
@@ -533,9 +534,11 @@ def main():
     parser.add_argument("trainctl", type=pathlib.Path)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--seeds", type=int, default=5, help="runs of the default")
+    parser.add_argument("--only", choices=[s.name for s in SETS], help="print its part alone")
     flags = parser.parse_args()
     folder = flags.folder.resolve()
-    needed = [f for s in SETS for f in (f"{s.name}.h5", f"{s.name}/skin.json")]
+    sets = [s for s in SETS if flags.only in (None, s.name)]
+    needed = [f for s in sets for f in (f"{s.name}.h5", f"{s.name}/skin.json")]
     missing = [file for file in needed if not (folder / file).exists()]
     if missing:
         sys.exit(
@@ -544,13 +547,13 @@ def main():
         )
     runner = Runner(flags.trainctl.resolve(), folder)
     rows, lines = [], []
-    for each in SETS:
+    for each in sets:
         lines += set_lines(folder, each)
         for split in each.splits:
             measured = measure(runner, each, split, flags.seeds)
             rows.append(summary_row(each, split, measured))
             lines += split_lines(each, split, measured)
-    print("\n".join(head(rows) + lines))
+    print("\n".join((rows if flags.only else head(rows)) + lines))
 
 
 if __name__ == "__main__":
