@@ -107,15 +107,22 @@ readonly PYTHON=(
   python3-venv
   python3-wheel
 )
-# Debian packages with all that the programs can do: ROS 1's bags, and trainings
-# by several processes.
+# Debian packages with all that the programs can do: ROS 1's bags, topics of ROS 2,
+# and trainings by several processes; and with the Python package.
 readonly PACKAGES=(
+  cyclonedds-dev
   debhelper
+  dh-python
   dpkg-dev
   help2man
   libopenmpi-dev
   librosbag-storage-dev
   lintian
+  pybind11-dev
+  python3-build
+  python3-dev
+  python3-setuptools
+  python3-wheel
 )
 # The C interface alone.
 readonly EMBEDDED=(

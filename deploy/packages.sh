@@ -8,6 +8,8 @@
 #   tactus-tools     trainctl, tactus-stream, tactus-load, tactus-fakeskin
 #   tactus-console   the console, started by systemd
 #   libtactus-dev    headers, libraries and protos for a robot's program
+#   python3-tactus   the same for Python: tactus.Client and tactus.Classifier
+#   tactus-ros2      the bridge to ROS 2, with the messages that it publishes
 #
 #   --version=VERSION  of the packages. Without it, that of CMakeLists.txt; if
 #                      the commit is not tagged as this release, its time is
@@ -15,8 +17,9 @@
 #   --out=FOLDER       instead of dist/
 #
 # Installs what is missing (install-deps.sh --packages), compiles in
-# build/packages, and ends with lintian, whose errors are errors. On two cores
-# it takes half an hour; less where ccache has what was compiled before.
+# build/packages and build/packages-python, and ends with lintian, whose errors
+# are errors. On two cores it takes half an hour; less where ccache has what was
+# compiled before.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 die() { echo "packages: $*" >&2; exit 1; }

@@ -3,11 +3,14 @@
 #
 #   1. deploy/packages.sh builds them, and lintian finds no error;
 #   2. libtactus-dev, where nothing else is: the examples are built against it;
-#   3. tactus-server, tactus-tools and tactus-console are installed; what their
-#      units say is started, contacts streamed through the proxy, trials stored;
-#   4. a newer version comes, the packages are removed, and installed again:
+#   3. tactus-ros2 and python3-tactus, each where nothing else is: they need no
+#      more than they name;
+#   4. all but libtactus-dev are installed; what their units say is started,
+#      contacts streamed through the proxy, trials stored. What Python answers
+#      without a server are the server's answers, bit for bit;
+#   5. a newer version comes, the packages are removed, and installed again:
 #      each time the trials are still served;
-#   5. the packages are purged, without a question: nothing is left.
+#   6. the packages are purged, without a question: nothing is left.
 #
 #   tests/install/packages.sh    as root; six to ten minutes after a build
 #
@@ -83,12 +86,35 @@ for example in first_client in_process own_driver; do
   done_step "examples/$example builds against libtactus-dev"
 done
 
+robot=$(new_root)
+in_robot() {
+  run_in --volume "$PWD/server/registry:/registry:ro" \
+    --volume "$PWD/tests/install:/tests:ro" "$robot" -- "$@"
+}
+install_with in_robot "/packages/$(cd dist && echo tactus-ros2_*.deb)"
+quietly in_robot tactus-ros2 --help
+release=$(in_robot tactus-ros2 --version)
+release=${release#* }
+diff -r client/ros2/tactus_msgs \
+  "$(in_storage mount "$robot")/usr/share/tactus/ros2/tactus_msgs" ||
+  die "tactus-ros2 has other messages"
+quietly in_robot apt-get -qq purge --yes --auto-remove tactus-ros2
+done_step "tactus-ros2 runs alone, and has the messages"
+install_with in_robot "/packages/$(cd dist && echo python3-tactus_*.deb)"
+[[ $(in_robot python3 -c 'import importlib.metadata as metadata, tactus
+tactus.Client, tactus.Classifier("/registry/default.tactus")
+print(metadata.version("tactus"))') == "$release" ]] ||
+  die "Python finds no tactus $release"
+done_step "python3-tactus runs alone: a client, and a classifier"
+# What it recommends reads recordings.
+install_with in_robot python3-h5py
+
 server=$(new_root)
 root=$(in_storage mount "$server")
 in_server() { run_in "$server" -- "$@"; }
 install_with in_server systemd
-ours=(tactus-server tactus-tools tactus-console)
-# packages_in FOLDER: the files of these three.
+ours=(tactus-server tactus-tools tactus-console tactus-ros2 python3-tactus)
+# packages_in FOLDER: the files of these.
 packages_in() {
   local package
   for package in "${ours[@]}"; do
@@ -113,7 +139,7 @@ for unit in "${units[@]}"; do
   in_server systemd-analyze verify --man=no "/lib/systemd/system/$unit.service"
 done
 for program in tactusd tactus-worker trainctl tactus-stream tactus-load \
-  tactus-fakeskin tactus-console; do
+  tactus-fakeskin tactus-console tactus-ros2; do
   quietly in_server "$program" --help
 done
 done_step "installed: a user with a folder, three enabled units, all programs run"
@@ -152,6 +178,21 @@ answer=$(in_storage mount "$dev")/tmp/client.txt
   die "the client prints no four probabilities"
 done_step "a client built against libtactus-dev is answered"
 
+quietly in_server trainctl simulate --protocol=random --contacts=64 --skin=good \
+  --seed=12 --out=/tmp/contacts.h5
+cp "$root/tmp/contacts.h5" "$(in_storage mount "$robot")/tmp"
+in_robot python3 /tests/python_answers.py 127.0.0.1:50051 /tmp/contacts.h5 \
+  /registry/default.tactus
+done_step "Python answers without a server what it is answered through the proxy"
+as nobody tactus-ros2 --topic=/touch 2>"$work/ros2.txt" &
+bridge=$!
+runners+=("$bridge")
+wait_for "$bridge" grep -q "waits for a publisher of /touch" "$work/ros2.txt" ||
+  { cat "$work/ros2.txt" >&2; die "tactus-ros2 does not wait for the skin"; }
+grep -q "^tactus-ros2: skin cody-forearm, 16 x 24 " "$work/ros2.txt" ||
+  { cat "$work/ros2.txt" >&2; die "tactus-ros2 has no stream"; }
+done_step "tactus-ros2 has a stream through the proxy and waits for the skin"
+
 mapfile -t words < <(words_of tactus-console)
 as nobody "${words[@]}" &
 runners+=("$!")
@@ -181,7 +222,10 @@ install_with in_server "${new[@]}"
 [[ $(id_of passwd) == "$user" ]] || die "the user is another one"
 still_there "upgraded"
 quietly in_server apt-get -qq remove --yes "${ours[@]}"
-[[ ! -e $root/usr/bin/tactusd ]] || die "tactusd is still there"
+for file in bin/tactusd bin/tactus-ros2 share/tactus \
+  lib/python3/dist-packages/tactus; do
+  [[ ! -e $root/usr/$file ]] || die "/usr/$file is still there"
+done
 [[ -s $root/var/lib/tactus/catalog.db && -s $root/etc/tactus/haproxy.cfg ]] ||
   die "removing took data or configuration"
 done_step "removed: data and configuration stay"
