@@ -218,7 +218,9 @@ still_there() {
 version_of() { in_server dpkg --status "$1" | sed -n 's/^Version: //p'; }
 
 install_with in_server "${new[@]}"
-[[ $(version_of tactus-server) == "$newer" ]] || die "nothing was upgraded"
+for package in "${ours[@]}"; do
+  [[ $(version_of "$package") == "$newer" ]] || die "$package was not upgraded"
+done
 [[ $(id_of passwd) == "$user" ]] || die "the user is another one"
 still_there "upgraded"
 quietly in_server apt-get -qq remove --yes "${ours[@]}"

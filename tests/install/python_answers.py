@@ -11,28 +11,27 @@ import sys
 import tactus
 
 
-def answers_of(opened, trial):
+def answers_of(stream, trial):
     """What a stream answers to each frame of a trial, and at its end."""
-    with opened as stream:
-        answers = []
-        for frame, pose in zip(trial.taxels, trial.poses):
-            answers += stream.push(frame, pose=pose)
-        answers.append(stream.end_trial())
-        return stream.info.model_sha256, answers
+    answers = []
+    for frame, pose in zip(trial.taxels, trial.poses):
+        answers += stream.push(frame, pose=pose)
+    return answers + [stream.end_trial()]
 
 
 def main():
     address, path, bundle = sys.argv[1:]
     classifier = tactus.Classifier(bundle)
     recording = tactus.Recording(path)
+    skin = recording[0].skin
     count = 0
     best = set()
-    with tactus.Client(address) as client:
+    with tactus.Client(address) as client, client.stream(skin, model="default") as remote, \
+            classifier.stream(skin) as local:
+        if remote.info.model_sha256 != classifier.sha256:
+            sys.exit("the server's default is another model")
         for i, trial in enumerate(recording):
-            model, theirs = answers_of(client.stream(trial.skin, model="default"), trial)
-            _, ours = answers_of(classifier.stream(trial.skin), trial)
-            if model != classifier.sha256:
-                sys.exit(f"the server's model is {model}, this one {classifier.sha256}")
+            theirs, ours = answers_of(remote, trial), answers_of(local, trial)
             if len(ours) != len(trial.taxels) + 1:
                 sys.exit(f"trial {i}: {len(ours)} answers to {len(trial.taxels)} frames")
             # Decimals from which a double comes out with the same bits.
