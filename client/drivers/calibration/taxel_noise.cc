@@ -83,7 +83,8 @@ std::vector<double> StepNoise(const IdleFrames& idle) {
     const std::vector<float> series = idle.Series(i);
     std::vector<double> steps;
     for (size_t t = 1; t < series.size(); ++t) {
-      steps.push_back(std::abs(series[t] - series[t - 1]));
+      const double step = std::abs(series[t] - series[t - 1]);
+      if (step > 0 || idle.resolution() > 0) steps.push_back(step);
     }
     // A difference has the noise of two values.
     noise[i] = kDeviationsPerMedian * MedianOf(std::move(steps)) / std::sqrt(2);

@@ -45,7 +45,8 @@ TaxelThresholds ThresholdsOf(const IdleFrames& idle,
 // The noise of each value as a standard deviation, from the median change from
 // a frame to the next, so that slow changes and a single step do not count. At
 // least 0.3 steps of the skin's numbers and a quarter of the skin's median on
-// the same axis.
+// the same axis. Where these steps are unknown, changes of 0 do not count: a
+// skin that sends frames faster than it measures repeats its floats.
 std::vector<double> StepNoise(const IdleFrames& idle);
 
 // A Gaussian's standard deviation, divided by its median absolute deviation.

@@ -104,6 +104,29 @@ TEST(TareTest, AWeightAtRestIsRefusedBesideAnEarlierCalibration) {
   }
 }
 
+// A skin that sends each measurement four times, as floats.
+TEST(TareTest, RepeatedFloatsAreNoTouch) {
+  for (uint64_t seed = 1; seed <= 50; ++seed) {
+    for (const float touch : {0.F, 30.F}) {
+      SkinInfo info = SyntheticSkin({}).info;
+      info.taxel_type = v1::TAXEL_TYPE_FLOAT32;
+      const auto taxels = static_cast<size_t>(info.layout.taxels());
+      Random random(seed);
+      IdleFrames idle(info, 200);
+      SkinFrame frame;
+      for (size_t t = 0; !idle.complete(); ++t) {
+        frame.f32.resize(taxels);
+        for (size_t i = 0; i < taxels && t % 4 == 0; ++i) {
+          frame.f32[i] = 100 + 2 * static_cast<float>(random.Gaussian());
+          if (t >= 100 && i == 5) frame.f32[i] += touch;
+        }
+        idle.Add(frame);
+      }
+      EXPECT_EQ(Tare(idle, nullptr).ok(), touch == 0) << "seed " << seed;
+    }
+  }
+}
+
 TEST(TareTest, FewFramesAreRefused) {
   SyntheticSkin skin({});
   EXPECT_EQ(ReasonOf(Tare(ReadIdle(skin, 19), nullptr).status()),
