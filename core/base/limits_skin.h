@@ -9,5 +9,7 @@ namespace tactus::internal::limits {
 
 // Taxels of a skin that carry something else than touch.
 inline constexpr size_t kMaxAuxiliaryTaxels = 64;
+// Magnetometers of a magnetic skin on one serial line.
+inline constexpr int kMaxMagnetometers = 64;
 
 }  // namespace tactus::internal::limits

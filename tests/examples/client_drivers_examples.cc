@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "client/drivers/anyskin/anyskin.h"
 #include "client/drivers/buffered_driver.h"
 #include "client/drivers/calibrated_driver.h"
 #include "client/drivers/calibration/calibration_in_use.h"
@@ -138,6 +139,18 @@ static absl::Status SkinDeviceExample(SkinDevice& device, Clock& clock,
                                       SkinFrame& frame) {
 #include "client/drivers/skin_device.h.inc"
   return absl::OkStatus();
+}
+
+void Use(const std::vector<float>& field_ut, int64_t time_ns);
+
+static void MagnetFramesExample(std::span<const uint8_t> bytes, int64_t now_ns,
+                                std::vector<float>& field_ut,
+                                int64_t& time_ns) {
+#include "client/drivers/anyskin/magnet_frames.h.inc"
+}
+
+static void AnySkinExample() {
+#include "client/drivers/anyskin/anyskin.h.inc"
 }
 
 void Use(const std::vector<uint16_t>& taxels, int64_t time_ns);
