@@ -4,6 +4,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "client/drivers/anyskin/anyskin.h"
 #include "client/drivers/buffered_driver.h"
 #include "client/drivers/calibrated_driver.h"
 #include "client/drivers/calibration/calibration_json.h"
@@ -19,6 +20,7 @@
 #include "client/front/plugin_driver.h"
 #include "client/front/wrapped_driver.h"
 #include "core/base/errors.h"
+#include "core/base/limits_skin.h"
 #include "core/base/status_macros.h"
 #include "core/base/text.h"
 #include "core/files/file_bytes.h"
@@ -29,13 +31,14 @@ namespace internal::client {
 namespace {
 
 constexpr char kDriverNames[] =
-    "sim, replay, serial, xela-can, icub-can, icub-usb or a library such as "
-    "./my_skin.so";
+    "sim, replay, serial, anyskin, xela-can, icub-can, icub-usb or a library "
+    "such as ./my_skin.so";
 constexpr size_t kMaxPositionFileBytes = 4 * 1024 * 1024;
 constexpr uint64_t kSimulatedContacts = 40;
 constexpr uint64_t kMaxBaud = 100'000'000;
 constexpr uint64_t kMaxPeriodMs = 255;
 constexpr uint64_t kMaxTareFrames = 100'000;
+constexpr uint64_t kMaxRezeroS = 1'000'000;
 
 // The options of a driver; what was not asked for is unknown.
 class Options {
@@ -182,6 +185,32 @@ absl::StatusOr<std::unique_ptr<Driver>> MakeSerial(Options options) {
                         loads);
 }
 
+struct AnySkinParts {
+  AnySkinParts(const std::string& port, const AnySkinOptions& options)
+      : skin(port, options) {}
+
+  AnySkin skin;
+  HardwareDriver hardware{&skin, HardwareDriverOptions{}};
+  BufferedDriver buffered{&hardware, BufferedDriverOptions{}};
+};
+
+absl::StatusOr<std::unique_ptr<Driver>> MakeAnySkin(Options options) {
+  const std::string port = options.Needed("port");
+  AnySkinOptions skin;
+  skin.magnets = static_cast<int>(
+      options.Count("magnets", skin.magnets, limits::kMaxMagnetometers));
+  skin.baud = static_cast<int>(options.Count("baud", skin.baud, kMaxBaud));
+  skin.sample_rate_hz = options.Positive("rate_hz", skin.sample_rate_hz);
+  skin.scale = options.Positive("scale", skin.scale);
+  skin.rezero_s = static_cast<double>(options.Count(
+      "rezero_s", static_cast<uint64_t>(skin.rezero_s), kMaxRezeroS));
+  const Loads loads = TakeLoads(options);
+  TACTUS_RETURN_IF_ERROR(options.Check());
+  const auto parts = std::make_shared<AnySkinParts>(port, skin);
+  return ExposeHardware(std::shared_ptr<SkinDriver>(parts, &parts->buffered),
+                        loads);
+}
+
 struct XelaParts {
   XelaParts(const std::string& interface, const XelaSkinOptions& options)
       : bus(interface), skin(options) {}
@@ -261,6 +290,7 @@ absl::StatusOr<std::unique_ptr<Driver>> MakeDriver(
   if (name == "sim") return internal::client::MakeSim(given);
   if (name == "replay") return internal::client::MakeReplay(given);
   if (name == "serial") return internal::client::MakeSerial(given);
+  if (name == "anyskin") return internal::client::MakeAnySkin(given);
   if (name == "xela-can") return internal::client::MakeXela(given);
   if (name == "icub-can") {
     return internal::client::MakeIcub(given, /*is_usb=*/false);

@@ -13,6 +13,7 @@
 #include "client/front/wrapped_driver.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
+#include "core/base/limits_skin.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_layout.h"
 #include "core/files/file_bytes.h"
@@ -86,11 +87,13 @@ absl::Status CheckPoseFlags(const SkinSourceOptions& options) {
 }  // namespace
 
 void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
-  const CLI::Validator known = CLI::IsMember(std::vector<std::string>{
-      "sim", "replay", "icub-can", "icub-usb", "xela-can", "serial"});
+  const CLI::Validator known = CLI::IsMember(
+      std::vector<std::string>{"sim", "replay", "icub-can", "icub-usb",
+                               "xela-can", "serial", "anyskin"});
   app.add_option("--driver", options.driver,
-                 "sim, replay, icub-can, icub-usb, xela-can, serial, or a "
-                 "driver of your own, such as ./my_skin.so (docs/drivers.md)")
+                 "sim, replay, icub-can, icub-usb, xela-can, serial, anyskin, "
+                 "or a driver of your own, such as ./my_skin.so "
+                 "(docs/drivers.md)")
       ->check([known](const std::string& driver) {
         return IsDriverLibrary(driver) ? "" : known(driver);
       })
@@ -125,17 +128,28 @@ void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
   app.add_option("--interface", options.icub.interface,
                  "CAN interface for icub-can and xela-can, such as can0");
   app.add_option("--port", options.port,
-                 "Serial line for --driver=serial, such as /dev/ttyUSB0; auto: "
-                 "the one on which a skin sends");
+                 "Serial line for serial and anyskin, such as /dev/ttyUSB0; "
+                 "auto: the one on which a skin of --driver=serial sends");
   app.add_option("--format", options.format,
                  "What a serial skin sends: ascii (3D-ViTac) or aa55 "
                  "(FlexiTac)")
       ->check(CLI::IsMember({"ascii", "aa55"}))
       ->capture_default_str();
-  app.add_option("--baud", options.baud, "Rate of the serial line")
+  app.add_option("--baud", options.baud,
+                 "Rate of the serial line; if absent 2000000, or 115200 for "
+                 "anyskin");
+  app.add_option("--rate-hz", options.rate_hz,
+                 "Frames per second of the skin; if absent 30, or 100 for "
+                 "anyskin")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--magnets", options.magnets,
+                 "Magnetometers of --driver=anyskin")
+      ->check(CLI::Range(1, limits::kMaxMagnetometers))
       ->capture_default_str();
-  app.add_option("--rate-hz", options.rate_hz, "Frames per second of the skin")
-      ->check(CLI::PositiveNumber)
+  app.add_option("--rezero-s", options.rezero_s,
+                 "Seconds over which --driver=anyskin follows the skin while "
+                 "nothing touches it; 0: it does not")
+      ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--usb-serial", options.icub.usb_serial,
                  "Serial number of the adapter for --driver=icub-usb");
@@ -192,7 +206,14 @@ absl::Status CheckSkinFlags(const SkinSourceOptions& options) {
       options.icub.interface.empty()) {
     return needs("--interface");
   }
-  if (driver == "serial" && options.port.empty()) return needs("--port");
+  if ((driver == "serial" || driver == "anyskin") && options.port.empty()) {
+    return needs("--port");
+  }
+  if (driver == "anyskin" && options.port == kAutoPort) {
+    return InvalidConfig("--port", kAutoPort,
+                         "the line's name with --driver=anyskin, such as "
+                         "/dev/ttyACM0");
+  }
   if (driver == "sim" && !options.layout.empty()) {
     return InvalidConfig("--layout", "given", "absent with --driver=sim");
   }
@@ -234,7 +255,9 @@ std::string DeviceId(const SkinSourceOptions& options) {
   if (IsDriverLibrary(options.driver)) {
     return fs::path(options.driver).filename();
   }
-  if (options.driver == "serial") return "serial " + SerialName(options.port);
+  if (options.driver == "serial" || options.driver == "anyskin") {
+    return absl::StrCat(options.driver, " ", SerialName(options.port));
+  }
   if (options.driver == "xela-can") return "xela-can " + options.icub.interface;
   const std::string& adapter = options.driver == "icub-usb"
                                    ? options.icub.usb_serial
@@ -246,7 +269,7 @@ std::string DeviceId(const SkinSourceOptions& options) {
 absl::StatusOr<std::string> FindPort(SkinSourceOptions& options,
                                      SerialSearch search) {
   if (options.driver != "serial" || options.port != kAutoPort) return "";
-  search.baud = options.baud;
+  search.baud = options.baud.value_or(SerialSkinOptions().baud);
   TACTUS_ASSIGN_OR_RETURN(const SerialFound found,
                           FindSerialSkin(FormatOf(options), search));
   options.port = found.path;
@@ -269,15 +292,33 @@ HardwareDriverOptions SkinSource::Poses() {
 
 absl::Status SkinSource::MakeSerial(const SkinSourceOptions& options) {
   SerialSkinOptions skin = {.format = FormatOf(options),
-                            .baud = options.baud,
-                            .scale = options.icub.scale,
-                            .sample_rate_hz = options.rate_hz};
+                            .scale = options.icub.scale};
+  skin.baud = options.baud.value_or(skin.baud);
+  skin.sample_rate_hz = options.rate_hz.value_or(skin.sample_rate_hz);
   TACTUS_ASSIGN_OR_RETURN(skin.layout, options.layout.empty()
                                            ? LayoutPreset("vitac-12x32")
                                            : ReadLayoutFile(options.layout));
   TACTUS_RETURN_IF_ERROR(AddMask(options.icub.mask, skin.layout));
   serial_ = std::make_unique<SerialSkin>(options.port, skin);
   hardware_ = std::make_unique<HardwareDriver>(serial_.get(), Poses());
+  return absl::OkStatus();
+}
+
+absl::Status SkinSource::MakeAnySkin(const SkinSourceOptions& options) {
+  AnySkinOptions skin = {.magnets = options.magnets,
+                         .scale = options.icub.scale,
+                         .rezero_s = options.rezero_s};
+  // CalibratedDriver follows it then.
+  if (options.drift_time_s > 0) skin.rezero_s = 0;
+  skin.baud = options.baud.value_or(skin.baud);
+  skin.sample_rate_hz = options.rate_hz.value_or(skin.sample_rate_hz);
+  skin.layout = AnySkinLayout(skin.magnets);
+  if (!options.layout.empty()) {
+    TACTUS_ASSIGN_OR_RETURN(skin.layout, ReadLayoutFile(options.layout));
+  }
+  TACTUS_RETURN_IF_ERROR(AddMask(options.icub.mask, *skin.layout));
+  anyskin_ = std::make_unique<AnySkin>(options.port, skin);
+  hardware_ = std::make_unique<HardwareDriver>(anyskin_.get(), Poses());
   return absl::OkStatus();
 }
 
@@ -310,9 +351,11 @@ absl::Status SkinSource::MakeDriver(const SkinSourceOptions& options) {
   if (!options.arm.urdf.empty()) {
     TACTUS_ASSIGN_OR_RETURN(arm_, ArmSource::Make(options.arm));
   }
-  if (options.driver == "serial" || options.driver == "xela-can") {
-    TACTUS_RETURN_IF_ERROR(options.driver == "serial" ? MakeSerial(options)
-                                                      : MakeXela(options));
+  if (options.driver == "serial" || options.driver == "anyskin" ||
+      options.driver == "xela-can") {
+    TACTUS_RETURN_IF_ERROR(options.driver == "serial"    ? MakeSerial(options)
+                           : options.driver == "anyskin" ? MakeAnySkin(options)
+                                                         : MakeXela(options));
     buffered_ = std::make_unique<BufferedDriver>(hardware_.get(),
                                                  BufferedDriverOptions{});
     driver_ = buffered_.get();

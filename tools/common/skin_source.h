@@ -13,11 +13,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/drivers/anyskin/anyskin.h"
 #include "client/drivers/calibrated_driver.h"
 #include "client/drivers/serial/serial_search.h"
 #include "client/drivers/serial/serial_skin.h"
@@ -31,8 +33,8 @@
 namespace tactus::internal::client {
 
 struct SkinSourceOptions {
-  // "sim", "replay", "icub-can", "icub-usb", "xela-can", "serial", or a library
-  // (client/front/plugin_driver.h).
+  // "sim", "replay", "icub-can", "icub-usb", "xela-can", "serial", "anyskin",
+  // or a library (client/front/plugin_driver.h).
   std::string driver = "sim";
   DriverOptions driver_options = {};
   // JSON file with the skin.
@@ -48,11 +50,14 @@ struct SkinSourceOptions {
   size_t trials = 0;
   // Skins on CAN; scale and mask are those of all real skins.
   IcubSourceOptions icub = {};
-  // A serial skin; "auto" until FindPort has found it.
+  // A serial skin or a magnetic one; "auto" until FindPort has found the line
+  // of a serial skin. Absent rates are those of the driver's options.
   std::string port = {};
   std::string format = "ascii";
-  int baud = 2'000'000;
-  double rate_hz = 30;
+  std::optional<int> baud = std::nullopt;
+  std::optional<double> rate_hz = std::nullopt;
+  int magnets = AnySkinOptions().magnets;
+  double rezero_s = AnySkinOptions().rezero_s;
   // Where a real skin is; without a URDF, frames have no poses.
   ArmSourceOptions arm = {};
   // A file that `trainctl skin calibrate` wrote; frames of a tare at the start,
@@ -129,6 +134,7 @@ class SkinSource {
 
   absl::Status MakeDriver(const SkinSourceOptions& options);
   absl::Status MakeSerial(const SkinSourceOptions& options);
+  absl::Status MakeAnySkin(const SkinSourceOptions& options);
   absl::Status MakeXela(const SkinSourceOptions& options);
   // How the driver gets its poses.
   HardwareDriverOptions Poses();
@@ -138,6 +144,7 @@ class SkinSource {
   std::unique_ptr<CanBus> bus_;
   std::unique_ptr<XelaSkin> xela_;
   std::unique_ptr<SerialSkin> serial_;
+  std::unique_ptr<AnySkin> anyskin_;
   std::unique_ptr<HardwareDriver> hardware_;
   std::unique_ptr<BufferedDriver> buffered_;
   std::unique_ptr<IcubSource> icub_;

@@ -30,6 +30,8 @@ constexpr int64_t kRestTimes = 2;
 constexpr int64_t kRestExtraNs = 2'000'000'000;
 // Setup waits for this many frames of a slow skin.
 constexpr int64_t kFirstFrames = 8;
+// Faster, it would follow a press that rises.
+constexpr double kLeastRezeroS = 1;
 constexpr double kMostRezeroS = 1e6;
 
 // A magnetometer of the cross: its taxel, and the layout's x and y of its own
@@ -119,9 +121,11 @@ absl::Status AnySkin::CheckOptions() const {
   if (!(options_.scale > 0 && std::isfinite(options_.scale))) {
     return InvalidConfig("scale", options_.scale, "a number above 0");
   }
-  if (!(options_.rezero_s >= 0 && options_.rezero_s <= kMostRezeroS)) {
-    return InvalidConfig("rezero_s", options_.rezero_s,
-                         absl::StrCat("0 to ", kMostRezeroS));
+  if (options_.rezero_s != 0 && !(options_.rezero_s >= kLeastRezeroS &&
+                                  options_.rezero_s <= kMostRezeroS)) {
+    return InvalidConfig(
+        "rezero_s", options_.rezero_s,
+        absl::StrCat("0, or ", kLeastRezeroS, " to ", kMostRezeroS));
   }
   return absl::OkStatus();
 }

@@ -56,7 +56,7 @@ struct AnySkinOptions {
   double scale = 1;
   // As the board sends.
   double sample_rate_hz = 100;
-  // The time over which the untouched skin is followed; 0: it is not.
+  // The time over which the untouched skin is followed, 1 to 1e6; 0: it is not.
   double rezero_s = 60;
   // Setup waits this long for the first frame, and 8 periods at least.
   int64_t first_frame_ns = 2'000'000'000;

@@ -116,11 +116,14 @@ using DriverOptions = std::map<std::string, std::string>;
 //   "replay"    recorded ones; data (a trial file), trials (all)
 //   "serial"    a skin on a serial line; port, format (ascii), baud (2000000),
 //               rate_hz (30), scale (1)
+//   "anyskin"   an AnySkin or ReSkin magnetic skin; port, magnets (5), rate_hz
+//               (100), scale (1), baud (115200), rezero_s (60: seconds over
+//               which it is followed while untouched; 0: it is not)
 //   "xela-can"  XELA's patches; interface (can0), scale (1)
 //   "icub-can"  the iCub's boards; interface (can0), boards (forearm-v2),
 //               positions (a file of icub-main), period_ms (20), scale (1)
 //   "icub-usb"  the same behind a USB adapter; usb_serial instead of interface
-//               of these four also: calibration (a file of trainctl skin
+//               of these five also: calibration (a file of trainctl skin
 //               calibrate), device (the name in that file), tare (frames at the
 //               start whose mean is an untouched skin)
 //   "./x.so"    a library with TACTUS_DRIVER; its own options

@@ -215,7 +215,7 @@ constexpr int kDriftEnd = 20'000;
 constexpr int kTouchEnd = 40'000;
 
 // The rest moves by 400 uT in steps that are slow; then a touch of 150 uT lasts
-// for ten times the time of the drift.
+// for forty times the time of the drift.
 TEST(AnySkinTest, TheRestIsFollowedAndATouchIsNot) {
   BoardOnLine line([](int i) {
     Chips chips = AtRest(i);
@@ -392,6 +392,8 @@ TEST(AnySkinTest, OptionsThatCannotBeRightAreNamed) {
       {"sample_rate_hz is 0", {.sample_rate_hz = 0}},
       {"scale is -1", {.scale = -1}},
       {"rezero_s is -1", {.rezero_s = -1}},
+      {"rezero_s is 0.5; it must be 0, or 1", {.rezero_s = 0.5}},
+      {"rezero_s is nan", {.rezero_s = nan}},
       {"baud is 12345", {.baud = 12'345}},
   };
   const Pty pty;
