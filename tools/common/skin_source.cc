@@ -129,7 +129,7 @@ void AddSkinFlags(CLI::App& app, SkinSourceOptions& options) {
                  "CAN interface for icub-can and xela-can, such as can0");
   app.add_option("--port", options.port,
                  "Serial line for serial and anyskin, such as /dev/ttyUSB0; "
-                 "auto: the one on which a skin of --driver=serial sends");
+                 "auto: the one on which such a skin sends");
   app.add_option("--format", options.format,
                  "What a serial skin sends: ascii (3D-ViTac) or aa55 "
                  "(FlexiTac)")
@@ -209,11 +209,6 @@ absl::Status CheckSkinFlags(const SkinSourceOptions& options) {
   if ((driver == "serial" || driver == "anyskin") && options.port.empty()) {
     return needs("--port");
   }
-  if (driver == "anyskin" && options.port == kAutoPort) {
-    return InvalidConfig("--port", kAutoPort,
-                         "the line's name with --driver=anyskin, such as "
-                         "/dev/ttyACM0");
-  }
   if (driver == "sim" && !options.layout.empty()) {
     return InvalidConfig("--layout", "given", "absent with --driver=sim");
   }
@@ -268,12 +263,20 @@ std::string DeviceId(const SkinSourceOptions& options) {
 
 absl::StatusOr<std::string> FindPort(SkinSourceOptions& options,
                                      SerialSearch search) {
-  if (options.driver != "serial" || options.port != kAutoPort) return "";
-  search.baud = options.baud.value_or(SerialSkinOptions().baud);
-  TACTUS_ASSIGN_OR_RETURN(const SerialFound found,
-                          FindSerialSkin(FormatOf(options), search));
-  options.port = found.path;
-  return ToText(found);
+  if (options.port != kAutoPort) return "";
+  absl::StatusOr<SerialFound> found;
+  if (options.driver == "serial") {
+    search.baud = options.baud.value_or(SerialSkinOptions().baud);
+    found = FindSerialSkin(FormatOf(options), search);
+  } else if (options.driver == "anyskin") {
+    search.baud = options.baud.value_or(AnySkinOptions().baud);
+    found = FindMagneticSkin(static_cast<size_t>(options.magnets), search);
+  } else {
+    return "";
+  }
+  if (!found.ok()) return found.status();
+  options.port = found->path;
+  return ToText(*found);
 }
 
 absl::StatusOr<std::unique_ptr<TrialDriver>> MakeTrialDriver(

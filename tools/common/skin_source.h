@@ -50,8 +50,8 @@ struct SkinSourceOptions {
   size_t trials = 0;
   // Skins on CAN; scale and mask are those of all real skins.
   IcubSourceOptions icub = {};
-  // A serial skin or a magnetic one; "auto" until FindPort has found the line
-  // of a serial skin. Absent rates are those of the driver's options.
+  // A serial skin or a magnetic one; "auto" until FindPort has found the line.
+  // Absent rates are those of the driver's options.
   std::string port = {};
   std::string format = "ascii";
   std::optional<int> baud = std::nullopt;

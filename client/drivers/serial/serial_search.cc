@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <set>
 
@@ -10,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client/drivers/anyskin/magnet_frames.h"
 #include "client/drivers/serial/serial_port.h"
 #include "core/base/errors.h"
 
@@ -20,7 +22,8 @@ namespace fs = std::filesystem;
 
 // How long one line is waited for before the next one is read.
 constexpr int64_t kTurnNs = 5'000'000;
-// Frames of which the rate is measured.
+// Frames that show a magnetic skin, and frames of which the rate is measured.
+constexpr uint64_t kSureFrames = 5;
 constexpr uint64_t kEnoughFrames = 50;
 
 std::vector<fs::path> Entries(const std::string& folder) {
@@ -33,6 +36,47 @@ std::vector<fs::path> Entries(const std::string& folder) {
   return entries;
 }
 
+// Counts the frames of a magnetic skin of any number of magnetometers.
+class MagnetEar {
+ public:
+  void Add(std::span<const uint8_t> bytes, int64_t now_ns) {
+    ends_.Add(bytes, now_ns);
+    const size_t seen = ends_.seen_magnets();
+    if (seen > 0 && seen != magnets_) {
+      magnets_ = seen;
+      frames_.emplace(seen, kAnyPeriodNs);
+      count_ = 0;
+    }
+    if (!frames_) return;
+    frames_->Add(bytes, now_ns);
+    int64_t time_ns = 0;
+    while (frames_->Next(field_ut_, time_ns)) {
+      if (count_++ == 0) first_ns_ = now_ns;
+      last_ns_ = now_ns;
+    }
+  }
+  uint64_t count() const { return count_; }
+  void Tell(SerialFound& found) const {
+    if (count_ < kSureFrames) return;
+    found.magnets = magnets_;
+    if (last_ns_ == first_ns_) return;
+    found.magnets_hz = 1e9 * static_cast<double>(count_ - 1) /
+                       static_cast<double>(last_ns_ - first_ns_);
+  }
+
+ private:
+  static constexpr int64_t kAnyPeriodNs = 1'000'000;
+
+  MagnetFrames ends_ = MagnetFrames(1, kAnyPeriodNs);
+  // For as many magnetometers as the ends show.
+  std::optional<MagnetFrames> frames_;
+  size_t magnets_ = 0;
+  std::vector<float> field_ut_;
+  uint64_t count_ = 0;
+  int64_t first_ns_ = 0;
+  int64_t last_ns_ = 0;
+};
+
 // A line while it is listened to.
 struct Line {
   Line(const std::string& path, int baud) : port(path, baud) {
@@ -43,7 +87,7 @@ struct Line {
   }
 
   bool done() const {
-    return !found.problem.empty() ||
+    return !found.problem.empty() || magnets.count() >= kEnoughFrames ||
            (found.shape && found.shape->frames >= kEnoughFrames);
   }
 
@@ -58,6 +102,8 @@ struct Line {
       finder.Add({buffer.data(), *count}, clock.NowNs());
       if (const auto shape = finder.shape()) found.shape = shape;
     }
+    magnets.Add({buffer.data(), *count}, clock.NowNs());
+    magnets.Tell(found);
   }
 
   SerialPort port;
@@ -65,6 +111,7 @@ struct Line {
   std::array<SerialShapeFinder, 2> finders = {
       SerialShapeFinder(SerialFormat::kAscii),
       SerialShapeFinder(SerialFormat::kAa55)};
+  MagnetEar magnets;
   SerialFound found;
 };
 
@@ -75,11 +122,40 @@ std::string ListText(const std::vector<SerialFound>& lines) {
                        });
 }
 
+// The one line that `is_it` takes; `what` it sends.
+absl::StatusOr<SerialFound> FindOne(
+    const std::string& what,
+    const std::function<bool(const SerialFound&)>& is_it,
+    const SerialSearch& search, Clock& clock) {
+  const std::vector<SerialFound> lines = ListenToSerialLines(search, clock);
+  std::vector<SerialFound> skins;
+  for (const SerialFound& line : lines) {
+    if (is_it(line)) skins.push_back(line);
+  }
+  if (skins.size() == 1) return skins[0];
+  if (lines.empty()) {
+    return IoError(
+        "--port=auto",
+        absl::StrCat("there is no serial line in ", search.by_id,
+                     ", and no ttyUSB* or ttyACM* in ", search.devices));
+  }
+  if (skins.empty()) {
+    return IoError("--port=auto",
+                   absl::StrFormat("no skin sends %s at %d baud: %s", what,
+                                   search.baud, ListText(lines)));
+  }
+  return InvalidConfig("--port", "auto", "one of several: " + ListText(skins));
+}
+
 }  // namespace
 
 std::string ToText(const SerialFound& found) {
   // The errors of lines begin with their names.
   if (!found.problem.empty()) return found.problem;
+  if (found.magnets > 0) {
+    return absl::StrFormat("%s: %d magnetometers at %.1f Hz", found.path,
+                           found.magnets, found.magnets_hz);
+  }
   if (found.shape) return absl::StrCat(found.path, ": ", ToText(*found.shape));
   if (found.bytes == 0) return absl::StrCat(found.path, ": sends nothing");
   return absl::StrCat(found.path, ": sends ", found.bytes,
@@ -128,25 +204,21 @@ std::vector<SerialFound> ListenToSerialLines(const SerialSearch& search,
 absl::StatusOr<SerialFound> FindSerialSkin(SerialFormat format,
                                            const SerialSearch& search,
                                            Clock& clock) {
-  const std::vector<SerialFound> lines = ListenToSerialLines(search, clock);
-  std::vector<SerialFound> skins;
-  for (const SerialFound& line : lines) {
-    if (line.shape && line.shape->format == format) skins.push_back(line);
-  }
-  if (skins.size() == 1) return skins[0];
-  if (lines.empty()) {
-    return IoError(
-        "--port=auto",
-        absl::StrCat("there is no serial line in ", search.by_id,
-                     ", and no ttyUSB* or ttyACM* in ", search.devices));
-  }
-  const std::string name = format == SerialFormat::kAscii ? "ascii" : "aa55";
-  if (skins.empty()) {
-    return IoError("--port=auto",
-                   absl::StrFormat("no skin sends frames in %s at %d baud: %s",
-                                   name, search.baud, ListText(lines)));
-  }
-  return InvalidConfig("--port", "auto", "one of several: " + ListText(skins));
+  return FindOne(
+      format == SerialFormat::kAscii ? "frames in ascii" : "frames in aa55",
+      [&](const SerialFound& line) {
+        return line.shape && line.shape->format == format;
+      },
+      search, clock);
+}
+
+absl::StatusOr<SerialFound> FindMagneticSkin(size_t magnets,
+                                             const SerialSearch& search,
+                                             Clock& clock) {
+  return FindOne(
+      absl::StrCat("frames of ", magnets, " magnetometers"),
+      [&](const SerialFound& line) { return line.magnets == magnets; }, search,
+      clock);
 }
 
 }  // namespace tactus::internal::client

@@ -40,6 +40,10 @@ struct SerialFound {
   uint64_t bytes = 0;
   // What a skin sends here.
   std::optional<SerialShape> shape;
+  // Magnetometers of a magnetic skin that sends here (magnet_frames.h), 0 if
+  // none does, and its rate.
+  size_t magnets = 0;
+  double magnets_hz = 0;
   // Why the line could not be read.
   std::string problem;
 };
@@ -59,5 +63,10 @@ std::vector<SerialFound> ListenToSerialLines(const SerialSearch& search,
 absl::StatusOr<SerialFound> FindSerialSkin(SerialFormat format,
                                            const SerialSearch& search,
                                            Clock& clock = Clock::System());
+
+// The same of a magnetic skin of so many magnetometers.
+absl::StatusOr<SerialFound> FindMagneticSkin(size_t magnets,
+                                             const SerialSearch& search,
+                                             Clock& clock = Clock::System());
 
 }  // namespace tactus::internal::client

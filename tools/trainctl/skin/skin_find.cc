@@ -22,6 +22,11 @@ struct FindFlags {
 Json FoundJson(const SerialFound& found) {
   Json line = {{"port", found.path}, {"bytes", found.bytes}};
   if (!found.problem.empty()) line["problem"] = found.problem;
+  if (found.magnets > 0) {
+    line["magnets"] = found.magnets;
+    line["rate_hz"] = found.magnets_hz;
+    return line;
+  }
   if (!found.shape) return line;
   const bool ascii = found.shape->format == SerialFormat::kAscii;
   line["format"] = ascii ? "ascii" : "aa55";
@@ -40,13 +45,13 @@ absl::Status RunFind(FindFlags flags) {
   Json list = Json::array();
   bool any = false;
   for (const SerialFound& found : lines) {
-    any |= found.shape.has_value();
+    any |= found.shape.has_value() || found.magnets > 0;
     if (flags.json) {
       list.push_back(FoundJson(found));
       continue;
     }
     std::cout << ToText(found) << "\n";
-    if (found.shape && found.shape->rows == 0) {
+    if (found.magnets == 0 && found.shape && found.shape->rows == 0) {
       std::cout << "  rows x columns may be " << ShapesOf(found.shape->taxels)
                 << "\n";
     }

@@ -9,6 +9,7 @@
 #include "core/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/client/drivers/anyskin/anyskin_bytes.h"
 #include "tests/client/drivers/serial/talking_skin.h"
 #include "tests/support/scratch_dir.h"
 #include "tools/common/skin_source.h"
@@ -17,9 +18,11 @@ namespace tactus::internal::client {
 namespace {
 
 using ::testing::AllOf;
+using testing::AnySkinFrame;
 using testing::AsBytes;
 using testing::AsciiFrame;
 using testing::BinaryFrame;
+using testing::Chips;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -226,6 +229,32 @@ TEST_F(SerialSearchTest, LinesAreLeftAsTheyWere) {
   EXPECT_EQ(after.c_oflag, before.c_oflag);
   EXPECT_FALSE(pty.WasWrittenTo());
   close(line);
+}
+
+TEST_F(SerialSearchTest, AMagneticSkinIsFoundByItsNumber) {
+  const Pty magnetic;
+  const Pty serial;
+  Plug(magnetic, "ttyACM0", "usb-QT_Py");
+  Plug(serial, "ttyUSB0");
+  const std::string frame = AnySkinFrame(Chips(5, {25.5F, 300, -200, 1e3F}));
+  const TalkingSkin fields(magnetic, {frame});
+  const TalkingSkin talking(serial, {AsciiFrame(kSix, 3)});
+  SkinSourceOptions options{.driver = "anyskin", .port = "auto", .magnets = 4};
+  const absl::Status none = FindPort(options, search_).status();
+  EXPECT_EQ(ReasonOf(none), "IO");
+  EXPECT_THAT(
+      std::string(none.message()),
+      AllOf(HasSubstr("no skin sends frames of 4 magnetometers at 115200"),
+            HasSubstr("usb-QT_Py: 5 magnetometers at "),
+            HasSubstr("2 x 3 taxels at ")));
+  options.magnets = 5;
+  const auto text = FindPort(options, search_);
+  ASSERT_TRUE(text.ok()) << text.status();
+  EXPECT_THAT(*text, HasSubstr("5 magnetometers at "));
+  EXPECT_EQ(options.port, folder_ / "by-id/usb-QT_Py");
+  options = {.driver = "serial", .port = "auto"};
+  ASSERT_TRUE(FindPort(options, search_).ok());
+  EXPECT_EQ(options.port, folder_ / "ttyUSB0");
 }
 
 TEST_F(SerialSearchTest, APortThatIsNamedIsNotSearched) {
