@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
 #include "core/base/limits_console.h"
 #include "core/base/limits_monitor.h"
 #include "gmock/gmock.h"
@@ -269,10 +270,32 @@ TEST(FoxglovePageTest, ChannelsGoWithTheirRobotAfterItsLastEvents) {
   // The viewer may not have heard.
   EXPECT_EQ(viewer.Say("{\"op\":\"unsubscribe\",\"subscriptionIds\":[1,2]}"),
             "");
-  viewer.Subscribe(1, 1);
-  EXPECT_THAT(viewer.Next()["message"].get<std::string>(),
-              HasSubstr("there is no channel 1"));
   viewer.Subscribe(1, 6);
+  viewer.Add(FrameOf("8", 3));
+  EXPECT_EQ(AnswerNumber(viewer.Next()), 3u);
+}
+
+TEST(FoxglovePageTest, ASubscriptionThatCrossesAWithdrawalIsNoMistake) {
+  Viewing viewer;
+  viewer.Add(OpenedRobot("7", "arm"));
+  EXPECT_EQ(viewer.ChannelOf(viewer.All(), "/arm/skin"), 1u);
+  viewer.Add(EndOf("7"));
+  ASSERT_EQ(viewer.All().size(), 1u);
+  for (uint32_t channel = 1; channel <= 4; ++channel) {
+    viewer.Subscribe(channel, channel);
+  }
+  EXPECT_TRUE(viewer.Next().is_null());
+
+  // Numbers that were never offered are mistakes: 0, and the next one.
+  for (const uint32_t channel : {0, 5}) {
+    viewer.Subscribe(9, channel);
+    EXPECT_THAT(viewer.Next()["message"].get<std::string>(),
+                HasSubstr(absl::StrCat("there is no channel ", channel)));
+  }
+  // What was ignored holds no number of a subscription.
+  viewer.Add(OpenedRobot("8", "arm"));
+  const uint32_t answer = viewer.ChannelOf(viewer.All(), "/arm/answer");
+  viewer.Subscribe(1, answer);
   viewer.Add(FrameOf("8", 3));
   EXPECT_EQ(AnswerNumber(viewer.Next()), 3u);
 }
