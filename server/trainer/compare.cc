@@ -10,6 +10,7 @@
 #include "core/base/limits.h"
 #include "core/contacts/anytime.h"
 #include "core/eval/metrics.h"
+#include "core/eval/reliability.h"
 
 namespace tactus::internal::server {
 namespace {
@@ -17,16 +18,53 @@ namespace {
 // Smallest probability that a logarithm is taken of.
 constexpr double kMinProbability = 1e-300;
 
-v1::Accuracy AccuracyOf(std::span<const Outcome> outcomes) {
+v1::Accuracy AccuracyOf(int right, int count) {
   v1::Accuracy accuracy;
-  const int right = CountRight(outcomes);
-  const Interval interval =
-      WilsonInterval(right, static_cast<int>(outcomes.size()));
+  const Interval interval = WilsonInterval(right, count);
   accuracy.set_correct(static_cast<uint32_t>(right));
-  accuracy.set_contacts(static_cast<uint32_t>(outcomes.size()));
+  accuracy.set_contacts(static_cast<uint32_t>(count));
   accuracy.set_low(interval.low);
   accuracy.set_high(interval.high);
   return accuracy;
+}
+
+v1::Accuracy AccuracyOf(std::span<const Outcome> outcomes) {
+  return AccuracyOf(CountRight(outcomes), static_cast<int>(outcomes.size()));
+}
+
+void AddQuestions(const Evaluation& evaluation, v1::EvaluationReport& report) {
+  for (size_t q = 0; q < evaluation.questions.size(); ++q) {
+    const auto& outcomes = evaluation.question_outcomes[q];
+    const auto accuracy_of = [&](auto outcome_at) {
+      const auto right = std::ranges::count_if(outcomes, [&](const auto& all) {
+        const Outcome& outcome = outcome_at(all);
+        return outcome.answer() == outcome.label;
+      });
+      return AccuracyOf(static_cast<int>(right),
+                        static_cast<int>(outcomes.size()));
+    };
+    v1::QuestionReport& question = *report.add_questions();
+    question.set_name(evaluation.questions[q].name);
+    *question.mutable_accuracy() = accuracy_of(
+        [](const QuestionOutcome& all) -> const Outcome& { return all.final; });
+    for (int t = 0; t < kAnytimeCount; ++t) {
+      *question.add_anytime() =
+          accuracy_of([t](const QuestionOutcome& all) -> const Outcome& {
+            return all.anytime[t];
+          });
+    }
+  }
+}
+
+void AddReliability(std::span<const Outcome> outcomes,
+                    v1::EvaluationReport& report) {
+  for (const ReliabilityBin& bin : ReliabilityBins(outcomes)) {
+    v1::ReliabilityBin& added = *report.add_reliability();
+    added.set_low(bin.low);
+    added.set_high(bin.high);
+    added.set_confidence(bin.mean_probability);
+    *added.mutable_accuracy() = AccuracyOf(bin.right, bin.count);
+  }
 }
 
 double LogLoss(std::span<const Outcome> outcomes) {
@@ -116,6 +154,8 @@ v1::EvaluationReport ReportOf(const Evaluation& evaluation,
     report.add_anytime_s(kAnytimeSeconds[t]);
     *report.add_anytime() = AccuracyOf(evaluation.anytime[t]);
   }
+  AddQuestions(evaluation, report);
+  AddReliability(evaluation.final, report);
   return report;
 }
 

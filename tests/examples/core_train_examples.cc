@@ -35,6 +35,7 @@
 #include "core/eval/out_of_fold.h"
 #include "core/eval/paper_tables.h"
 #include "core/eval/question_outcome.h"
+#include "core/eval/reliability.h"
 #include "core/eval/unknown.h"
 #include "core/inputs/cue_table.h"
 #include "core/inputs/fit_embedding.h"
@@ -162,6 +163,12 @@ static absl::Status EvaluationExample(
 
 static void MetricsExample(const std::vector<Outcome>& outcomes) {
 #include "core/eval/metrics.h.inc"
+}
+
+static void ReliabilityExample(
+    const Evaluation& evaluation,
+    const std::function<void(double, const Interval&)>& draw) {
+#include "core/eval/reliability.h.inc"
 }
 
 static void PaperTablesExample() {

@@ -1,5 +1,6 @@
 #include "server/trainer/compare.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/contacts/anytime.h"
@@ -10,6 +11,7 @@ namespace tactus::internal::server {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 // 2 * sum over k <= min(a, b) of C(n, k) / 2^n with n = a + b, at most 1
 // (McNemar, Psychometrika 12, 1947, in its exact form), in exact fractions
@@ -119,6 +121,63 @@ TEST(CompareTest, ReportsFigures) {
   EXPECT_EQ(report.confusion(0), 3u);
   EXPECT_EQ(report.confusion(1), 1u);
   EXPECT_EQ(report.anytime_size(), kAnytimeCount);
+  EXPECT_THAT(report.questions(), IsEmpty());
+}
+
+// Tops of 0.8 (right) and 0.7 (wrong) are in the bins 12 and 10 of 15.
+TEST(CompareTest, ReportsReliability) {
+  const auto [current, candidate] = Evaluations(3, 1, 0);
+  const v1::EvaluationReport report = ReportOf(candidate, 0);
+  ASSERT_EQ(report.reliability_size(), 2);
+  const v1::ReliabilityBin& wrong = report.reliability(0);
+  EXPECT_DOUBLE_EQ(wrong.low(), 10. / 15);
+  EXPECT_DOUBLE_EQ(wrong.high(), 11. / 15);
+  EXPECT_DOUBLE_EQ(wrong.confidence(), 0.7);
+  EXPECT_EQ(wrong.accuracy().correct(), 0u);
+  EXPECT_EQ(wrong.accuracy().contacts(), 1u);
+  const v1::ReliabilityBin& right = report.reliability(1);
+  EXPECT_DOUBLE_EQ(right.low(), 12. / 15);
+  EXPECT_NEAR(right.confidence(), 0.8, 1e-15);
+  EXPECT_EQ(right.accuracy().correct(), 3u);
+  // Wilson's interval of 3 of 3: (3 / (3 + z^2), 1) with z = 1.959964.
+  EXPECT_NEAR(right.accuracy().low(), 3 / (3 + 1.959964 * 1.959964), 1e-6);
+}
+
+TEST(CompareTest, ReportsEachQuestion) {
+  Evaluation evaluation = Evaluations(4, 0, 0).first;
+  evaluation.questions = {
+      {"hardness", Question::kProperty, {"hard", "soft"}, {0, 1}},
+      {"mobility", Question::kState, {"no", "yes"}, {0, 1}}};
+  // Hardness: contact i is right from the i-th time on. Mobility: one of four
+  // is right, and only in the end.
+  evaluation.question_outcomes.assign(2, std::vector<QuestionOutcome>(4));
+  const auto outcome = [](bool right) {
+    return Outcome{.label = 1, .probability = {right ? 0.1 : 0.9, 0.5}};
+  };
+  for (int i = 0; i < 4; ++i) {
+    for (int t = 0; t < kAnytimeCount; ++t) {
+      evaluation.question_outcomes[0][i].anytime.push_back(outcome(t >= i));
+      evaluation.question_outcomes[1][i].anytime.push_back(outcome(false));
+    }
+    evaluation.question_outcomes[0][i].final = outcome(true);
+    evaluation.question_outcomes[1][i].final = outcome(i == 2);
+  }
+  const v1::EvaluationReport report = ReportOf(evaluation, 0);
+  ASSERT_EQ(report.questions_size(), 2);
+  const v1::QuestionReport& hardness = report.questions(0);
+  EXPECT_EQ(hardness.name(), "hardness");
+  EXPECT_EQ(hardness.accuracy().correct(), 4u);
+  EXPECT_EQ(hardness.accuracy().contacts(), 4u);
+  ASSERT_EQ(hardness.anytime_size(), kAnytimeCount);
+  for (int t = 0; t < kAnytimeCount; ++t) {
+    EXPECT_EQ(hardness.anytime(t).correct(), std::min(t + 1u, 4u));
+  }
+  const v1::QuestionReport& mobility = report.questions(1);
+  EXPECT_EQ(mobility.name(), "mobility");
+  EXPECT_EQ(mobility.accuracy().correct(), 1u);
+  EXPECT_EQ(mobility.anytime(kAnytimeCount - 1).correct(), 0u);
+  EXPECT_NEAR(mobility.accuracy().low(), 0.0455873, 1e-6);
+  EXPECT_NEAR(mobility.accuracy().high(), 0.6993582, 1e-6);
 }
 
 }  // namespace

@@ -24,6 +24,20 @@ Json IntervalOf(const v1::Accuracy& accuracy) {
   return IntervalToJson({accuracy.low(), accuracy.high()});
 }
 
+Json BinsToJson(const v1::EvaluationReport& report) {
+  Json list = Json::array();
+  for (const v1::ReliabilityBin& bin : report.reliability()) {
+    // The page divides by the count.
+    if (bin.accuracy().contacts() == 0) continue;
+    list.push_back({{"low", bin.low()},
+                    {"high", bin.high()},
+                    {"mean_probability", bin.confidence()},
+                    {"contacts", bin.accuracy().contacts()},
+                    {"right", bin.accuracy().correct()}});
+  }
+  return list;
+}
+
 }  // namespace
 
 Json ReportToJson(const v1::EvaluationReport& report) {
@@ -55,6 +69,7 @@ Json ReportToJson(const v1::EvaluationReport& report) {
                {"ece", report.calibration_error()}};
   json.update(ConfusionToJson(
       {report.class_names().begin(), report.class_names().end()}, confusion));
+  if (report.reliability_size() > 0) json["reliability"] = BinsToJson(report);
   std::vector<WrongAnswer> wrong;
   for (const v1::WrongAnswer& answer : report.wrong()) {
     wrong.push_back({answer.name(), answer.label(), answer.answer()});

@@ -1,8 +1,8 @@
 // File: report.h
 //
-// The page of an evaluation that a server made. A server measures confusion and
-// accuracy over time; it sends no probabilities and no trials, so the page has
-// no reliability diagram, no baselines and no worst trials.
+// The page of an evaluation that a server made. A server measures confusion,
+// accuracy over time and reliability; it sends no trials, so the page has no
+// baselines and no worst trials.
 //
 //   TACTUS_RETURN_IF_ERROR(WriteRemoteReport("page", job));
 //

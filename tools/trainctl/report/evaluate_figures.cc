@@ -1,17 +1,17 @@
 #include "tools/trainctl/report/evaluate_figures.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/eval/metrics.h"
+#include "core/eval/reliability.h"
 #include "tools/trainctl/text.h"
 
 namespace tactus::internal::client {
 namespace {
 
-constexpr int kBins = 15;
 // A bin of fewer contacts says little: its interval is wide.
 constexpr int kFewContacts = 10;
 
@@ -64,29 +64,6 @@ double LowestPercent(const LinePlot& plot) {
 }
 
 }  // namespace
-
-std::vector<ReliabilityBin> ReliabilityBins(std::span<const Outcome> outcomes) {
-  std::array<ReliabilityBin, kBins> sums;
-  for (const Outcome& outcome : outcomes) {
-    const int answer = outcome.answer();
-    const double top = outcome.probability[answer];
-    ReliabilityBin& bin =
-        sums[std::clamp(static_cast<int>(top * kBins), 0, kBins - 1)];
-    bin.mean_probability += top;
-    bin.right += answer == outcome.label;
-    ++bin.count;
-  }
-  std::vector<ReliabilityBin> bins;
-  for (int i = 0; i < kBins; ++i) {
-    ReliabilityBin& bin = sums[i];
-    if (bin.count == 0) continue;
-    bin.low = static_cast<double>(i) / kBins;
-    bin.high = (i + 1.) / kBins;
-    bin.mean_probability /= bin.count;
-    bins.push_back(bin);
-  }
-  return bins;
-}
 
 LinePlot AnytimePlot(const NamedEvaluation& shown,
                      std::optional<Experiment> paper) {
@@ -142,13 +119,14 @@ LinePlot ReliabilityPlot(const NamedEvaluation& shown) {
   if (!bins.empty()) {
     // The axis begins with the first bin that holds a contact.
     plot.x.low = 100 * bins.front().low;
-    const int first = static_cast<int>(std::lround(bins.front().low * kBins));
-    plot.counts.counts.assign(kBins - first, 0);
-    for (int i = first; i <= kBins; ++i) {
-      plot.counts.edges.push_back(100. * i / kBins);
+    const int first =
+        static_cast<int>(std::lround(bins.front().low * kReliabilityBins));
+    plot.counts.counts.assign(kReliabilityBins - first, 0);
+    for (int i = first; i <= kReliabilityBins; ++i) {
+      plot.counts.edges.push_back(100. * i / kReliabilityBins);
     }
     for (const ReliabilityBin& bin : bins) {
-      const int i = static_cast<int>(std::lround(bin.low * kBins));
+      const int i = static_cast<int>(std::lround(bin.low * kReliabilityBins));
       plot.counts.counts[i - first] = bin.count;
     }
   }

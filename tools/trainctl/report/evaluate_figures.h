@@ -14,12 +14,10 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "core/eval/evaluate.h"
-#include "core/eval/metrics.h"
 #include "core/eval/paper_tables.h"
 #include "tools/figures/line_plot.h"
 
@@ -32,20 +30,6 @@ struct NamedEvaluation {
   // Length of the longest contact; there are no points at later times.
   double seconds = 5;
 };
-
-// Outcomes whose top probability falls into one of 15 equal-width bins, those
-// of ExpectedCalibrationError.
-struct ReliabilityBin {
-  // Bounds of the top probability.
-  double low = 0;
-  double high = 0;
-  double mean_probability = 0;
-  int right = 0;
-  int count = 0;
-};
-
-// Bins that hold an outcome, by increasing probability.
-std::vector<ReliabilityBin> ReliabilityBins(std::span<const Outcome> outcomes);
 
 // Accuracy (%) at kAnytimeSeconds since onset, on a logarithmic axis, of the
 // evaluation and, where it has them, of its HMMs and its LSTMs alone; dashed,

@@ -7,6 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/base/text.h"
+#include "core/eval/reliability.h"
 #include "tools/trainctl/report/evaluate_figures.h"
 #include "tools/trainctl/report/question_report.h"
 #include "tools/trainctl/text.h"

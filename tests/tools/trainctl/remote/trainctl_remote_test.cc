@@ -381,6 +381,11 @@ TEST_F(TrainctlRemoteTest, AnEvaluationOnTheServerHasAPage) {
   for (const uint32_t count : {2, 1, 0, 1}) report.add_confusion(count);
   report.add_anytime_s(0.5);
   *report.add_anytime() = report.accuracy();
+  v1::ReliabilityBin& bin = *report.add_reliability();
+  bin.set_low(0.6);
+  bin.set_high(0.6667);
+  bin.set_confidence(0.62);
+  *bin.mutable_accuracy() = report.accuracy();
   server_->SetNewJobState(job);
   const Outcome outcome =
       Trainctl({"evaluate", "--dataset=arm", "--model=arm@2",
@@ -391,7 +396,7 @@ TEST_F(TrainctlRemoteTest, AnEvaluationOnTheServerHasAPage) {
        {"<h1>Evaluation on datasets/arm/versions/1</h1>",
         "models/arm/versions/2", ">75.00 %<", "3 of 4 felt contacts; 2 of 6",
         "30.10 to 95.40 %", "<bdi>&lt;HU&gt;</bdi>", ">66.67 %<",
-        "<td>0.5</td>", "operations/1"}) {
+        "<td>0.5</td>", "operations/1", "0.600 to 0.667", "0.620"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
   EXPECT_THAT(html, Not(HasSubstr("<HU>")));
