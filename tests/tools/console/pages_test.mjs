@@ -168,6 +168,11 @@ test('training: a job, a model, and its aliases', async () => {
   await press(page, 'Evaluate');
   await see(page, 'No test: the model was trained on 60');
   assert.equal(await page.page.locator('.confusion tbody td.right').count(), 4);
+  await see(page, 'Accuracy of hardness', '.pairs');
+  await see(page, 'Accuracy of mobility', '.pairs');
+  assert.equal(await page.page.locator('.drawing').count(), 3);
+  const counts = await page.page.locator('.drawing .small').allTextContents();
+  assert.equal(counts.reduce((sum, count) => sum + Number(count), 0), 60);
   await page.page.goto(`${address}#train/model/arm/1`);
   await see(page, '95 % interval');
   await examine(page, 'train-model', true);

@@ -11,6 +11,7 @@ import { mkdir } from 'node:fs/promises';
 import { chromium } from 'playwright-core';
 
 import { BrowserPage } from './browser_page.mjs';
+import { jobsOf, trainAnswers } from './fake_answers.mjs';
 import { FakeConsole } from './fake_console.mjs';
 import { FakeRobot, makeRobots } from './fake_robot.mjs';
 
@@ -301,6 +302,55 @@ const tests = {
     await page.checkAxe('import-done');
   },
 
+  async 'what evaluations measured'({ page, fake }) {
+    Object.assign(fake.answers, trainAnswers());
+    await page.page.goto(`${fake.url}#train/model/arm/2`);
+    tally.check(await page.untilText('93.0 % (186 of 200; 95 % interval 88.6 ' +
+      'to 95.8 %)', '.pairs'), 'the accuracy, with its interval');
+    tally.check(await page.untilText('99.0 % (198 of 200; 95 % interval 96.4 ' +
+      'to 99.7 %)', '.pairs'), 'that of a question');
+    const own = jobsOf().find(({ name }) => name === 'operations/8');
+    await checkReliability(page, own.result.evaluation.reliability);
+    tally.check(await page.page.locator('.drawing').count() === 3,
+      'questions, times, reliability');
+    await page.examine('evaluation');
+    const choice = page.page.getByLabel('Compare with');
+    tally.check((await choice.locator('option').allTextContents()).join() ===
+      'Compare with ...,arm@1,k-fold, ridge', 'what it can be compared with');
+    await choice.selectOption('arm@1');
+    tally.check(await page.untilText('86.0 % (172 of 200'), 'both beside ' +
+      'each other');
+    tally.check(await page.page.locator('.confusion').count() === 2,
+      'two confusion matrices');
+    tally.check(await page.page.locator('.drawing').count() === 4,
+      'two reliability diagrams');
+    await page.examine('evaluations');
+    await page.page.goto(`${fake.url}#train/job/9`);
+    tally.check(await page.untilText('The gate was passed'), 'a promotion');
+    tally.check(await page.page.locator('.confusion').count() === 2 &&
+      await page.page.locator('.drawing').count() === 4,
+    'has the same of both versions');
+    await page.checkAxe('promotion');
+  },
+
+  async 'an evaluation of an earlier release'({ page, fake }) {
+    Object.assign(fake.answers, trainAnswers({ old: true }));
+    await page.page.goto(`${fake.url}#train/job/8`);
+    tally.check(await page.untilText('A server of an earlier release has ' +
+      'evaluated: it measured neither the questions nor the reliability.'),
+    'it says what is missing');
+    tally.check(await page.untilText('93.0 % (186 of 200'), 'the accuracy');
+    tally.check(await page.page.locator('.drawing').count() === 1,
+      'the accuracy over time alone');
+    await page.page.goto(`${fake.url}#train/model/arm/2`);
+    await page.page.getByLabel('Compare with').selectOption('arm@1');
+    tally.check(await page.untilText('an earlier release has evaluated arm@2:'),
+      'which of two it is');
+    tally.check(await page.page.locator('.drawing').count() === 3,
+      'the reliability of the other one');
+    await page.checkAxe('evaluation-earlier');
+  },
+
   async 'names of strangers'({ page, fake }) {
     fake.robots.push(new FakeRobot(2, SCRIPT), new FakeRobot(3,
       'a-robot-with-a-name-of-128-bytes-'.repeat(4).slice(0, 128), {
@@ -348,6 +398,36 @@ function importAnswers(fake) {
         new_id: '' }] } }),
   });
   return state;
+}
+
+// Each bin has its count in words, and its share of right answers at the height
+// of the scale beside it.
+async function checkReliability(page, bins) {
+  const drawing = page.page.locator('.drawing:has(.bin)');
+  const texts = await drawing.locator('text').evaluateAll((all) =>
+    all.map((text) => ({ text: text.textContent,
+      y: Number(text.getAttribute('y')) })));
+  const circles = await drawing.locator('circle').evaluateAll((all) =>
+    all.map((circle) => ({ y: Number(circle.getAttribute('cy')),
+      isFew: circle.classList.contains('few') })));
+  const heightOf = (wanted) => texts.find(({ text }) => text === wanted).y;
+  const zero = heightOf('0 %');
+  const whole = heightOf('100 %') - zero;
+  // Texts of the scale are four units below its lines.
+  const expected = bins.map(({ accuracy: { correct, contacts } }) =>
+    zero - 4 + whole * correct / contacts);
+  tally.check(circles.length === bins.length && circles.every(({ y }, i) =>
+    Math.abs(y - expected[i]) < 0.1), `the shares of right answers: ${
+    circles.map(({ y }) => y)} are at ${expected}`);
+  tally.check(circles.every(({ isFew }, i) =>
+    isFew === bins[i].accuracy.contacts < 10), 'bins of few contacts');
+  tally.check(bins.every(({ accuracy: { contacts } }) =>
+    texts.some(({ text }) => text === String(contacts))), 'counts of bins');
+  const heights = await drawing.locator('rect').evaluateAll((all) =>
+    all.map((rect) => Number(rect.getAttribute('height'))));
+  const most = Math.max(...heights);
+  tally.check(heights.every((height, i) => Math.abs(height / most -
+    bins[i].accuracy.contacts / 120) < 0.01), `counts drawn: ${heights}`);
 }
 
 async function pauseAndScrub(page) {

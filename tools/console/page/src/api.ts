@@ -123,12 +123,12 @@ export class Api {
 
 // All pages of a list; `items` is the name of the list in a response.
 export async function listAll<Item>(api: Api, method: string, items: string,
-    signal?: AbortSignal, most = 10): Promise<Item[]> {
+    signal?: AbortSignal, most = 10, page_size = 1000): Promise<Item[]> {
   const all: Item[] = [];
   let page_token = '';
   for (let i = 0; i < most; ++i) {
     const response = await api.call<Record<string, unknown>>(method,
-      { page_size: 1000, page_token }, signal);
+      { page_size, page_token }, signal);
     all.push(...response[items] as Item[]);
     page_token = response.next_page_token as string;
     if (page_token === '') break;

@@ -83,6 +83,22 @@ export interface Evaluation {
   trained_on_data?: boolean;
   trained_on_contacts: number;
   wrong: { name: string; label: string; answer: string }[];
+  // Empty of evaluations that earlier releases made, as `reliability`.
+  questions: QuestionReport[];
+  reliability: ReliabilityBin[];
+}
+
+export interface QuestionReport {
+  name: string;
+  accuracy?: Accuracy | null;
+  anytime: Accuracy[];
+}
+
+export interface ReliabilityBin {
+  low: number;
+  high: number;
+  confidence: number;
+  accuracy: Accuracy;
 }
 
 export interface Comparison {

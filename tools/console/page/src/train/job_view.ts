@@ -147,7 +147,8 @@ export class JobView {
   private showResult({ result }: Operation): void {
     const nodes: Node[] = [];
     if (result?.comparison) nodes.push(comparisonView(result.comparison));
-    if (result?.evaluation) nodes.push(evaluationView(result.evaluation));
+    if (result?.evaluation) nodes.push(
+      evaluationView([{ name: '', report: result.evaluation }]));
     if (result?.preset_choice) {
       const { preset, candidates, contacts } = result.preset_choice;
       nodes.push(element('section', { class: 'card part' },

@@ -84,18 +84,17 @@ export class ModelView {
     return rows;
   }
 
-  // Of the newest 1,000 jobs.
+  // Of the newest 1,000 jobs. One response cannot hold the reports of all.
   private loadResults(): void {
     void this.results.load(async (signal) => {
       const jobs = await listAll<Operation>(this.api,
-        'OperationService/ListOperations', 'operations', signal, 1);
+        'OperationService/ListOperations', 'operations', signal, 5, 200);
       const own = jobs.filter(({ evaluate, result }) => result?.evaluation &&
         evaluate?.model_version === this.name);
       if (own.length === 0) {
         return [element('p', { class: 'quiet' }, 'It was not evaluated yet.')];
       }
-      this.newest.replaceChildren(
-        evaluationView(own[0]!.result!.evaluation!));
+      this.showNewest(own[0]!, jobs);
       return [table('Evaluations, the newest first',
         ['Job', 'Data', 'Accuracy', 'When'], own.map((job): Cell[] => {
           const number = shortName(job.name);
@@ -106,4 +105,39 @@ export class ModelView {
         }))];
     });
   }
+
+  // Beside it, if a person wants, what others did on the same data.
+  private showNewest(own: Operation, jobs: Operation[]): void {
+    const others = new Map<string, Operation>();
+    for (const job of jobs) {
+      const name = evaluatedOf(job);
+      if (!job.result?.evaluation || name === evaluatedOf(own) ||
+          job.evaluate?.dataset_version !== own.evaluate!.dataset_version ||
+          others.has(name)) continue;
+      others.set(name, job);
+    }
+    const choice = element('select', { 'aria-label': 'Compare with' },
+      element('option', { value: '' }, 'Compare with ...'),
+      ...[...others.keys()].map((name) => element('option', {}, name)));
+    choice.disabled = others.size === 0;
+    const show = () => {
+      const other = others.get(choice.value);
+      const shown = other ? [own, other] : [own];
+      const isFocused = document.activeElement === choice;
+      this.newest.replaceChildren(evaluationView(shown.map((job) => ({
+        name: other ? evaluatedOf(job) : '',
+        report: job.result!.evaluation! })), choice));
+      if (isFocused) choice.focus();
+    };
+    choice.addEventListener('change', show);
+    show();
+  }
+}
+
+// A version, or how the models of a protocol were fitted.
+function evaluatedOf({ evaluate }: Operation): string {
+  if (!evaluate) return '';
+  const { model_version, protocol, train } = evaluate;
+  return model_version ? shortName(model_version) :
+    [protocol, train?.preset].filter(Boolean).join(', ');
 }

@@ -1,0 +1,116 @@
+// What a made-up server answers to the pages beside the live one: always the
+// same, with clocks that stand still.
+
+export const NOW_MS = Date.UTC(2026, 3, 14, 9, 26);
+const DAY_MS = 86_400_000;
+const CLASSES = ['HU', 'HM', 'SU', 'SM'];
+const TIMES = [0.1, 0.25, 0.5, 1.2, 2.5, 5];
+
+// Wilson's 95 % interval (JASA 22, 1927).
+export function accuracyOf(correct, contacts) {
+  const z = 1.959964;
+  const p = correct / contacts;
+  const middle = (p + z * z / (2 * contacts)) / (1 + z * z / contacts);
+  const half = z * Math.sqrt(p * (1 - p) / contacts +
+    z * z / (4 * contacts * contacts)) / (1 + z * z / contacts);
+  return { correct, contacts, low: middle - half, high: middle + half };
+}
+
+// Of 200 contacts, `wrong` are wrong in the end.
+export function evaluationOf(wrong, changes = {}) {
+  const right = 200 - wrong;
+  const anytime = (end) => TIMES.map((_, t) =>
+    accuracyOf(Math.round(end - (5 - t) * (5 - t) * 3.2), 200));
+  const bins = [[6, 4, 3], [8, 12, 8], [10, 20, 14], [12, 44, 37],
+    [14, 120, right - 72]];
+  return {
+    accuracy: accuracyOf(right, 200), never_felt: 3,
+    log_loss: 0.01 * wrong + 0.08, calibration_error: 0.0312,
+    class_names: CLASSES,
+    confusion: [46, 4, 0, 0, 3, 47, 0, 0, 0, wrong - 10, 60 - wrong, 0, 0, 0,
+      3, 47],
+    anytime_s: TIMES, anytime: anytime(right),
+    trained_on_data: false, trained_on_contacts: 0, wrong: [
+      { name: 'cork-07.csv', label: 'SU', answer: 'SM' }],
+    questions: [['hardness', 198], ['mobility', right + 4]].map(
+      ([name, end]) => ({ name, accuracy: accuracyOf(end, 200),
+        anytime: anytime(end) })),
+    reliability: bins.map(([bin, contacts, correct]) => ({ low: bin / 15,
+      high: (bin + 1) / 15, confidence: (bin + 0.6) / 15,
+      accuracy: accuracyOf(correct, contacts) })),
+    ...changes,
+  };
+}
+
+function jobOf(number, kind, more) {
+  const end = NOW_MS - (9 - number) * DAY_MS;
+  return { name: `operations/${number}`, kind: `KIND_${kind}`,
+    state: 'STATE_SUCCEEDED', create_time_ms: String(end - 95_000),
+    start_time_ms: String(end - 94_000), end_time_ms: String(end),
+    attempts: 1, requester: 'ann', progress: null, error: null, ...more };
+}
+
+const trainSpec = (model, preset) => ({ dataset_version:
+  'datasets/arm/versions/3', model: `models/${model}`, preset, note: '',
+seed: '1' });
+
+export function jobsOf({ old = false } = {}) {
+  const evaluation = (number, model_version, wrong, changes) =>
+    jobOf(number, 'EVALUATE', {
+      evaluate: { dataset_version: 'datasets/arm/versions/3', model_version,
+        protocol: '', train: null },
+      result: { model_version: '', evaluation: evaluationOf(wrong, changes),
+        comparison: null, unusable: 0, duplicates: 0, preset_choice: null } });
+  return [
+    jobOf(9, 'PROMOTE', { promote: { alias: 'aliases/default',
+      model_version: 'models/arm/versions/2', force: false },
+    result: { model_version: '', evaluation: null, comparison: {
+      current: evaluationOf(28), candidate: evaluationOf(14), only_current: 2,
+      only_candidate: 16, mcnemar_p: 0.0013, passed: true, failure: '' },
+    unusable: 0, duplicates: 0, preset_choice: null } }),
+    evaluation(8, 'models/arm/versions/2', 14, old ?
+      { questions: [], reliability: [] } : {}),
+    evaluation(7, 'models/arm/versions/1', 28),
+    jobOf(6, 'EVALUATE', { evaluate: {
+      dataset_version: 'datasets/arm/versions/3', model_version: '',
+      protocol: 'k-fold', train: trainSpec('', 'ridge') },
+    result: { model_version: '', evaluation: evaluationOf(31),
+      comparison: null, unusable: 0, duplicates: 0, preset_choice: null } }),
+    jobOf(5, 'TRAIN', { train: trainSpec('arm', 'tuned'), result: {
+      model_version: 'models/arm/versions/2', evaluation: null,
+      comparison: null, unusable: 0, duplicates: 0, preset_choice: null } }),
+  ];
+}
+
+export function modelsOf() {
+  const model = (name, more) => ({ name, bytes: '1843200', create_time_ms:
+    String(NOW_MS - 4 * DAY_MS), class_names: CLASSES, layout_class: 'allegro',
+  built_in: false, operation: 'operations/5', train: trainSpec('arm', 'tuned'),
+  trials: 240, duration_ms: '94000', aliases: [], requester: 'ann', ...more });
+  return [model('models/arm/versions/2', {}),
+    model('models/arm/versions/1', { aliases: ['aliases/default'],
+      create_time_ms: String(NOW_MS - 9 * DAY_MS) }),
+    model('models/default/versions/1', { built_in: true, train: null,
+      operation: '', trials: 0, layout_class: '' })];
+}
+
+// Answers of the RPCs that the pages for training call, for FakeConsole.
+export function trainAnswers(options) {
+  const jobs = jobsOf(options);
+  const page = (items) => ({ ...items, next_page_token: '' });
+  const answers = {
+    'AdminService/GetServerInfo': () => ({}),
+    'ModelService/ListModelVersions': () => page({ versions: modelsOf() }),
+    'ModelService/ListAliases': () => page({ aliases: [
+      { name: 'aliases/default', model_version: 'models/arm/versions/1',
+        etag: 'e1', canary: { model_version: 'models/arm/versions/2',
+          per_mille: 50 }, gate: null,
+        previous_version: 'models/default/versions/1' }] }),
+    'OperationService/ListOperations': () => page({ operations: jobs }),
+    'OperationService/WatchOperation': (body) => ({ points: [],
+      operation: jobs.find(({ name }) => name === JSON.parse(body).name) }),
+    'OperationService/ReadOperationLog': () => ({ messages: [] }),
+  };
+  return Object.fromEntries(Object.entries(answers).map(([name, answer]) =>
+    [`/api/servers/0/${name}`, answer]));
+}
