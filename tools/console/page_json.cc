@@ -14,6 +14,7 @@
 #include "google/protobuf/descriptor.h"
 #include "google/protobuf/message.h"
 #include "google/protobuf/util/json_util.h"
+#include "grpc/health/v1/health.pb.h"
 #include "grpcpp/impl/codegen/proto_buffer_reader.h"
 #include "tactus/v1/common.pb.h"
 
@@ -30,6 +31,8 @@ constexpr absl::string_view kOwnErrorInfo =
 
 const google::protobuf::MethodDescriptor* DescriptorOf(
     const PageMethod& method) {
+  // The linker leaves out messages that no code names.
+  grpc::health::v1::HealthCheckRequest::descriptor();
   return google::protobuf::DescriptorPool::generated_pool()->FindMethodByName(
       method.FullName());
 }

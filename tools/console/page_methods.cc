@@ -17,11 +17,11 @@ constexpr absl::string_view kRoot = "/api/servers/";
 }  // namespace
 
 std::string PageMethod::FullName() const {
-  return absl::StrCat("tactus.v1.", service, ".", name);
+  return absl::StrCat(package, ".", service, ".", name);
 }
 
 std::string PageMethod::Path() const {
-  return absl::StrCat("/tactus.v1.", service, "/", name);
+  return absl::StrCat("/", package, ".", service, "/", name);
 }
 
 const std::vector<PageMethod>& PageMethods() {
@@ -32,6 +32,7 @@ const std::vector<PageMethod>& PageMethods() {
       {"ContactLogService", "LabelContacts"},
       {"ContactLogService", "ListContacts"},
       {"ContactLogService", "ReplayContact"},
+      {"Health", "Check", PageAnswer::kOne, "grpc.health.v1"},
       {"ModelService", "ListAliasHistory"},
       {"ModelService", "ListAliases"},
       {"ModelService", "ListModelVersions"},

@@ -1,6 +1,7 @@
 // File: page_methods.h
 //
-// The methods of servers that pages may call, and no others.
+// The methods of servers that pages may call, and no others. One of them is
+// gRPC's own health check.
 //
 //   const auto target =
 //       FindPageMethod("/api/servers/0/ModelService/ListAliases");
@@ -34,6 +35,7 @@ struct PageMethod {
   absl::string_view service;
   absl::string_view name;
   PageAnswer answer = PageAnswer::kOne;
+  absl::string_view package = "tactus.v1";
 
   // Like "tactus.v1.ModelService.ListAliases".
   std::string FullName() const;

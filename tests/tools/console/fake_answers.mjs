@@ -114,3 +114,56 @@ export function trainAnswers(options) {
   return Object.fromEntries(Object.entries(answers).map(([name, answer]) =>
     [`/api/servers/0/${name}`, answer]));
 }
+
+const replicaOf = (host, more) => ({ name: `replicas/${host}`, host,
+  address: `${host}:50051`, version: '0.2.0',
+  start_time_ms: String(NOW_MS - 3 * DAY_MS), is_this: false, alive: true,
+  up_to_date: true, ...more });
+
+// Answers for the page of the server. `changes`: of GetServerInfo.
+export function serverAnswers({ status = 'SERVING', changes = {} } = {}) {
+  const stream = (id, client_id, caller) => ({ stream_id: id, client_id, caller,
+    peer: `ipv4:10.0.0.${id}:40000`, start_time_ms: String(NOW_MS - 3_600_000),
+    started: { model_version: 'models/arm/versions/1' }, sample_rate_hz: 100,
+    counts: { frames: '360000', frames_missing: '12', superseded: '0',
+      contacts: '418', contacts_now: 1, measured_rate_hz: 99.7,
+      silent_ms: '4' } });
+  const page = (items) => ({ ...items, next_page_token: '' });
+  const answers = {
+    'Health/Check': () => ({ status }),
+    'AdminService/GetServerInfo': () => ({
+      version: { version: '0.2.0', api: 'tactus.v1' },
+      start_time_ms: String(NOW_MS - 3 * DAY_MS), time_ms: String(NOW_MS),
+      uptime_ms: String(3 * DAY_MS), streams: 2, max_streams: 64,
+      data: { folder: '/var/lib/tactus', blob_bytes: '734003200',
+        upload_bytes: '0', job_bytes: '1048576', catalog_bytes: '524288',
+        free_bytes: '53687091200' },
+      jobs: [{ state: 'STATE_QUEUED', count: 1 },
+        { state: 'STATE_SUCCEEDED', count: 5 }],
+      quotas: { stored_bytes: '0', datasets: '10', queued_jobs: '4',
+        streams: '8', model_bytes: '67108864' },
+      not_served: [], replicas: [], caller: 'ann', ...changes }),
+    'AdminService/ListAuditLog': () => page({ entries: [
+      { time_ms: String(NOW_MS - DAY_MS), caller: 'ann',
+        peer: 'ipv4:10.0.0.9:51000', verb: 'create',
+        resource: 'datasets/arm/versions/3', reason: '' }] }),
+    'MonitorService/ListStreams': () => page({ streams: [
+      stream('1', 'left arm', 'robots'), stream('2', 'right arm', 'robots')] }),
+    'ModelService/ListModelVersions': () => page({ versions: modelsOf() }),
+    'OperationService/ListOperations': () => page({ operations: [
+      { requester: 'bob' }] }),
+    'TrainingService/ListDatasets': () => page({ datasets: [
+      { name: 'datasets/arm', requester: 'ann' },
+      { name: 'datasets/gripper', requester: 'ann' }] }),
+  };
+  return Object.fromEntries(Object.entries(answers).map(([name, answer]) =>
+    [`/api/servers/0/${name}`, answer]));
+}
+
+// What is wrong with a server that is degraded.
+export const DEGRADED = { streams: 64,
+  not_served: ['models/old/versions/1: BUNDLE_VERSION'],
+  replicas: [replicaOf('lab-1', { is_this: true }),
+    replicaOf('lab-2', { alive: false }),
+    replicaOf('lab-3', { up_to_date: false }),
+    replicaOf('worker-1', { address: '' })] };

@@ -49,8 +49,12 @@ TEST(PageMethodsTest, OnlyWhatIsListedIsFound) {
   ASSERT_TRUE(found);
   EXPECT_EQ(found->server, 12u);
   EXPECT_EQ(found->method->Path(), "/tactus.v1.ModelService/ListAliases");
+  const auto health = FindPageMethod("/api/servers/0/Health/Check");
+  ASSERT_TRUE(health);
+  EXPECT_EQ(health->method->Path(), "/grpc.health.v1.Health/Check");
   for (const char* path :
        {"/api/servers/0/ModelService/ImportModel",
+        "/api/servers/0/Health/Watch",
         "/api/servers/0/ContactService/ClassifyContact",
         "/api/servers/0/ModelService/ListAliases/",
         "/api/servers/0/ModelService/", "/api/servers/0/ModelService",

@@ -211,6 +211,8 @@ test('the server: streams, changes, and its end', async () => {
   await see(page, HOSTILE, 'td');
   await see(page, 'datasets/arm/versions/1');
   await see(page, 'of at most');
+  await see(page, 'Serving', '.health');
+  await see(page, 'Models in memory');
   await examine(page, 'server');
   await page.page.getByLabel('Only what begins with').fill('uploads/');
   assert.ok(await page.until(() =>
@@ -256,6 +258,7 @@ test('roles: what a token may not do is read-only', async () => {
   await page.page.goto(`${address}#server`);
   await see(page, 'No stream is open');
   await see(page, 'needs the role admin', '.denied');
+  await see(page, 'Serving', '.health');
   assert.ok(await page.page.getByRole('button', { name: 'Drain ...' })
     .isDisabled());
 

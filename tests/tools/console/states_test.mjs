@@ -11,7 +11,8 @@ import { mkdir } from 'node:fs/promises';
 import { chromium } from 'playwright-core';
 
 import { BrowserPage } from './browser_page.mjs';
-import { jobsOf, trainAnswers } from './fake_answers.mjs';
+import { DEGRADED, jobsOf, serverAnswers, trainAnswers } from
+  './fake_answers.mjs';
 import { FakeConsole } from './fake_console.mjs';
 import { FakeRobot, makeRobots } from './fake_robot.mjs';
 
@@ -349,6 +350,44 @@ const tests = {
     tally.check(await page.page.locator('.drawing').count() === 3,
       'the reliability of the other one');
     await page.checkAxe('evaluation-earlier');
+  },
+
+  async 'how a server is'({ page, fake }) {
+    Object.assign(fake.answers, serverAnswers());
+    await page.page.goto(`${fake.url}#server`);
+    tally.check(await page.untilText('Serving', '.health'), 'it serves');
+    tally.check(await page.page.locator('.reasons').count() === 0,
+      'nothing is wrong');
+    tally.check(await page.untilText('3 versions, with bundles of 5.27 MiB'),
+      'models in memory');
+    const rows = (caption) => page.page.locator(
+      `[aria-label="${caption}"] tbody tr`).evaluateAll((all) => all.map(
+      (row) => [...row.cells].map((cell) => cell.innerText).join(' | ')));
+    await page.untilText('bob', 'td');
+    const uses = (await rows('Use of quotas by client')).join('; ');
+    tally.check(uses === 'ann | 0 of 8 | 2 of 10 | 0 of 4 | 3.52 MiB of ' +
+      '64 MiB; bob | 0 of 8 | 0 of 10 | 1 of 4 | 0 B of 64 MiB; robots | ' +
+      '2 of 8 | 0 of 10 | 0 of 4 | 0 B of 64 MiB', `quotas: ${uses}`);
+    await page.examine('server');
+
+    Object.assign(fake.answers, serverAnswers({ changes: DEGRADED }));
+    await page.page.reload();
+    tally.check(await page.untilText('Degraded', '.health'), 'it is degraded');
+    const reasons = await page.page.locator('.reasons li').allTextContents();
+    tally.check(reasons.join('; ') === 'It refuses new streams: all 64 ' +
+      'places are taken.; A stored model is not served: ' +
+      'models/old/versions/1: BUNDLE_VERSION; The server lab-2:50051 on ' +
+      'lab-2 has not been heard of for ten seconds.; The server ' +
+      'lab-3:50051 on lab-3 does not serve the newest change of models or ' +
+      'aliases yet.', `why: ${reasons.join('; ')}`);
+    tally.check((await rows('Servers and workers of this catalogue'))
+      .length === 4, 'all servers and workers');
+    await page.examine('server-degraded');
+
+    Object.assign(fake.answers, serverAnswers({ status: 'NOT_SERVING' }));
+    await page.page.reload();
+    tally.check(await page.untilText('Not serving', '.health'), 'it drains');
+    await page.checkAxe('server-draining');
   },
 
   async 'names of strangers'({ page, fake }) {

@@ -188,7 +188,20 @@ export interface ServerInfo {
   jobs: { state: string; count: number }[];
   quotas?: Record<string, string> | null;
   not_served: string[];
+  replicas: Replica[];
   caller: string;
+}
+
+export interface Replica {
+  name: string;
+  host: string;
+  // Empty for a worker.
+  address: string;
+  version: string;
+  start_time_ms: string;
+  is_this: boolean;
+  alive: boolean;
+  up_to_date: boolean;
 }
 
 export interface AuditEntry {

@@ -1,4 +1,5 @@
-// The server page: what the server is doing, who changed what, and its end.
+// The server page: how the server is, what it is doing for whom, who changed
+// what, and its end.
 
 import type { Api } from '../api';
 import { element } from '../dom';
@@ -10,6 +11,10 @@ import { bytes, moment, span, word } from '../parts/texts';
 import type { ServerInfo } from '../wire';
 import { plural } from '../words';
 import { AuditList } from './audit_list';
+import { ClientUse } from './client_use';
+import { HealthView } from './health_view';
+import { ModelUse } from './model_use';
+import { replicaList } from './replica_list';
 import { StreamList } from './stream_list';
 
 const AGAIN_MS = 7000;
@@ -21,11 +26,15 @@ export const SERVER: PageKind = {
   open: (context) => new ServerPage(context),
 };
 
+interface View {
+  root: HTMLElement;
+  close(): void;
+}
+
 class ServerPage implements Page {
   private readonly drain: HTMLButtonElement;
   private readonly info: Part;
-  private readonly streams: StreamList;
-  private readonly audit: AuditList;
+  private readonly others: View[];
   private readonly api: Api;
 
   constructor({ api, main }: PageContext) {
@@ -33,18 +42,20 @@ class ServerPage implements Page {
     this.drain = button('Drain ...', () => this.askDrain(), 'danger');
     this.drain.disabled = true;
     this.info = new Part('State', this.drain);
-    this.streams = new StreamList(api);
-    this.audit = new AuditList(api);
+    const health = new HealthView(api);
+    const below = [new StreamList(api), new ClientUse(api), new ModelUse(api),
+      new AuditList(api)];
+    this.others = [health, ...below];
     main.replaceChildren(element('div', { class: 'page' },
       pageHead('Server', undefined,
         element('p', { class: 'model' }, api.address)),
-      this.info.root, this.streams.root, this.audit.root));
+      health.root, this.info.root, ...below.map(({ root }) => root)));
     this.load();
     void api.may('admin').then((may) => { this.drain.disabled = !may; });
   }
 
   close(): void {
-    for (const part of [this.info, this.streams, this.audit]) part.close();
+    for (const part of [this.info, ...this.others]) part.close();
   }
 
   private load(): void {
@@ -55,7 +66,7 @@ class ServerPage implements Page {
       return [element('div', { class: 'fact-columns' },
         ...groupsOf(info).map(([title, pairs]) => element('div', {},
           element('h3', {}, title), facts(...pairs)))),
-      ...notServed(info)];
+      ...replicaList(info.replicas)];
     });
   }
 
@@ -112,11 +123,4 @@ function groupsOf(info: ServerInfo): [string, [string, string][]][] {
       ['Streams', limit('streams', String)]]]);
   }
   return groups;
-}
-
-function notServed({ not_served }: ServerInfo): Node[] {
-  if (not_served.length === 0) return [];
-  return [element('div', { class: 'warn' },
-    element('p', {}, 'Stored models that are not served:'),
-    element('ul', {}, ...not_served.map((text) => element('li', {}, text))))];
 }
