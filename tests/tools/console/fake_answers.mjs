@@ -1,6 +1,8 @@
 // What a made-up server answers to the pages beside the live one: always the
 // same, with clocks that stand still.
 
+import { FakeRobot } from './fake_robot.mjs';
+
 export const NOW_MS = Date.UTC(2026, 3, 14, 9, 26);
 const DAY_MS = 86_400_000;
 const CLASSES = ['HU', 'HM', 'SU', 'SM'];
@@ -167,3 +169,79 @@ export const DEGRADED = { streams: 64,
     replicaOf('lab-2', { alive: false }),
     replicaOf('lab-3', { up_to_date: false }),
     replicaOf('worker-1', { address: '' })] };
+
+// Answers for the pages of contacts and of data.
+export function dataAnswers() {
+  const page = (items) => ({ ...items, next_page_token: '' });
+  const labels = { HU: 62, HM: 60, SU: 58, SM: 60 };
+  const version = (number, more) => ({
+    name: `datasets/arm/versions/${number}`, trials: 240, bytes: '52428800',
+    create_time_ms: String(NOW_MS - (12 - number) * DAY_MS), labels, added: 0,
+    removed: 0, requester: 'ann', change: 'CHANGE_UPLOAD', reason: '',
+    relabelled: 0, duplicates: 0, renamed: 0, ...more });
+  const trials = Array.from({ length: 12 }, (_, i) => ({ sha256: '0'.repeat(64),
+    id: String(i).padStart(6, '0'), label: CLASSES[i % 4], condition: `c${i % 3}`,
+    object: 'block', material: ['cork', 'glass', 'foam'][i % 3],
+    layout: 'allegro', frames: 500, source: `run-${i}.csv` }));
+  const answers = {
+    'AdminService/GetServerInfo': () => ({}),
+    'ContactLogService/ListContacts': () => page({
+      contacts: [1, 2, 3, 4].map(contactOf), matching: 4, kept: 4,
+      left_out: '0', bytes: '3145728', max_bytes: '1073741824' }),
+    'ContactLogService/ReplayContact': replayOf,
+    'ModelService/ListModelVersions': () => page({ versions: modelsOf() }),
+    'TrainingService/ListDatasets': () => page({ datasets: [
+      { name: 'datasets/arm', description: 'the left arm', latest_version: 3,
+        create_time_ms: String(NOW_MS - 11 * DAY_MS), requester: 'ann' }] }),
+    'TrainingService/GetDataset': () => ({
+      dataset: { name: 'datasets/arm', description: 'the left arm',
+        create_time_ms: String(NOW_MS - 11 * DAY_MS), latest_version: 3,
+        requester: 'ann' },
+      versions: [version(1, { added: 240 }),
+        version(2, { change: 'CHANGE_RELABEL', relabelled: 4,
+          reason: 'it moved' }), version(3, { added: 12, duplicates: 3 })] }),
+    'TrainingService/ListTrials': () => page({ trials }),
+  };
+  return Object.fromEntries(Object.entries(answers).map(([name, answer]) =>
+    [`/api/servers/0/${name}`, answer]));
+}
+
+// The frames of the first contact, by a made-up robot.
+function replayOf() {
+  const robot = new FakeRobot(0, 'left arm');
+  const frames = [];
+  while (frames.length < 60) {
+    robot.step();
+    const { json: { answer }, taxels } = robot.frame;
+    if (answer.contacts.length === 0) continue;
+    frames.push({ answer,
+      taxels: Buffer.from(taxels.buffer).toString('base64') });
+  }
+  return { contact: contactOf(1), frames,
+    started: { ...robot.opened().started, class_names: CLASSES },
+    contact_id: frames[0].answer.contacts[0].id, same_answers: true,
+    replayed: contactOf(1) };
+}
+
+// A kept contact, with a picture of a round load.
+function contactOf(number) {
+  const rows = 16;
+  const columns = 24;
+  const loads = Buffer.from(Array.from({ length: rows * columns }, (_, i) =>
+    Math.round(255 * Math.exp(-((Math.floor(i / columns) - 8) ** 2 +
+      (i % columns - 5 * number) ** 2) / 14))));
+  const label = CLASSES[number - 1];
+  const confidence = 1 - 0.15 * number;
+  return { name: `contacts/${number}`, robot: 'left arm', caller: 'robots',
+    model_version: 'models/arm/versions/1', layout: 'allegro',
+    begin_time_ms: String(NOW_MS - 60_000 * number),
+    duration_ns: String(number * 1e9), onset_sequence: '100',
+    end_sequence: '400', label, confidence, unknown: 0.03, answers: [
+      { question: 'hardness', value: number < 3 ? 'hard' : 'soft',
+        probability: confidence, decided: true, revised: false },
+      { question: 'mobility', value: number % 2 ? 'unmoved' : 'moved',
+        probability: confidence, decided: number < 3, revised: false }],
+    max_force: 1.4, together: 1, cut: false, exact: true, given: null,
+    shadow: null, picture: { rows, columns,
+      loads: loads.toString('base64'), most: 1.4 } };
+}

@@ -31,6 +31,8 @@ export class FakeRobot {
     this.number = 0;
     this.silent = false;
     this.ended = false;
+    // Sends the same frame again and again.
+    this.isStill = false;
     this.events = [];
     this.silentSince = Date.now();
     // Robots are not in step.
@@ -42,6 +44,7 @@ export class FakeRobot {
     if (this.silent || this.ended) return;
     ++this.number;
     this.silentSince = Date.now();
+    if (this.isStill) return;
     const at = (this.number + this.phase) % PERIOD;
     for (const contact of this.touching()) this.addEvents(contact, at);
     this.frame = this.makeFrame(at);
@@ -60,7 +63,8 @@ export class FakeRobot {
           taxel_area_m2: 1e-4, wrap_columns: false,
           unit: this.axes === 3 ? 'TAXEL_UNIT_COUNTS' : 'TAXEL_UNIT_NEWTON',
           contact_threshold: 0.01, onset_threshold: 0.02,
-          masked_taxels: this.masked, connectivity: 'CONNECTIVITY_8',
+          masked_taxels: this.masked, auxiliary_taxels: [],
+          connectivity: 'CONNECTIVITY_8',
           axes: this.axes, signed_values: this.axes === 3,
           ...(this.axes === 3 ? { normal_axis: 2 } : {}),
         },

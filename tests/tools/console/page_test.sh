@@ -8,6 +8,8 @@
 #                                   prints how long frames take to the screen
 #   page_test.sh BIN WORK robots_bench.mjs
 #                                   prints how long robots wait meanwhile
+#   RECORD=1 page_test.sh BIN WORK pictures_test.mjs
+#                                   keeps new pictures in tests/golden/console
 #
 # Exits with 77 if there is no Chromium or no npm.
 set -euo pipefail
@@ -32,10 +34,13 @@ if ! cmp -s package-lock.json installed-lock.json; then
   cp package-lock.json installed-lock.json
 fi
 export TACTUS_BIN=$bin
+TACTUS_PICTURES=$(cd "$source_dir/../.." && pwd)/golden/console
+export TACTUS_PICTURES
 if [[ $# -gt 2 ]]; then
   node "$3"
 else
   node states_test.mjs "$bin/../share/tactus/console" states
+  node --test pictures_test.mjs
   node --test page_test.mjs
   node --test pages_test.mjs
   node --test import_test.mjs
