@@ -77,36 +77,36 @@ class Comparison {
  public:
   Comparison(const Contacts& contacts, const ChoiceFolds& folds,
              const ParallelFor& parallel, const Progress& progress,
-             Ranks* ranks,
-             const std::function<void(const ChoiceCandidate&, int contacts)>&
-                 considered,
-             PresetChoice& choice)
+             Ranks* ranks, const ChoiceRequest& request, PresetChoice& choice)
       : contacts_(contacts),
         folds_(folds),
         parallel_(parallel),
         progress_(progress),
         ranks_(ranks),
-        considered_(considered),
+        request_(request),
         choice_(choice) {}
 
-  // Nothing if the models do not suit the contacts.
-  void Try(const std::string& preset, const FitOptions& options) {
+  // Compares nothing if the models do not suit the contacts. CANCELLED.
+  absl::Status Try(const std::string& preset, const FitOptions& options) {
     auto right = RightOutOfFold(contacts_, folds_.folds, options, parallel_,
-                                progress_, ranks_);
+                                progress_, ranks_, request_.cancelled);
+    if (absl::IsCancelled(right.status())) return right.status();
     ChoiceCandidate candidate = {preset, options.lstm.networks,
                                  options.learner};
     if (!right.ok()) {
       candidate.unfit = std::string(right.status().message());
       Add(std::move(candidate));
-      return;
+      return absl::OkStatus();
     }
     candidate.right = static_cast<int>(std::ranges::count(*right, true));
     Add(candidate);
     compared_.push_back({preset, options, *std::move(right), candidate.right});
+    return absl::OkStatus();
   }
 
   // As Try, if the work of its LSTMs fits into what is left of the limit.
-  void TryWithinLimit(const std::string& preset, const FitOptions& options) {
+  absl::Status TryWithinLimit(const std::string& preset,
+                              const FitOptions& options) {
     double work = work_;
     for (const std::vector<int>& fold : folds_.folds) {
       Contacts rest;
@@ -121,11 +121,11 @@ class Comparison {
                         std::llround(std::ceil(work)),
                         " billion multiplications, and the limit is ",
                         choice_.work_limit)});
-      return;
+      return absl::OkStatus();
     }
     work_ = work;
     choice_.work = static_cast<int>(std::lround(work));
-    Try(preset, options);
+    return Try(preset, options);
   }
 
   // In the order in which they were tried.
@@ -133,8 +133,8 @@ class Comparison {
 
  private:
   void Add(ChoiceCandidate candidate) {
-    if (considered_) {
-      considered_(candidate, static_cast<int>(contacts_.size()));
+    if (request_.considered) {
+      request_.considered(candidate, static_cast<int>(contacts_.size()));
     }
     choice_.candidates.push_back(std::move(candidate));
   }
@@ -144,7 +144,7 @@ class Comparison {
   const ParallelFor& parallel_;
   const Progress progress_;
   Ranks* const ranks_;
-  const std::function<void(const ChoiceCandidate&, int)>& considered_;
+  const ChoiceRequest& request_;
   PresetChoice& choice_;
   std::vector<Compared> compared_;
   double work_ = 0;
@@ -190,10 +190,10 @@ absl::StatusOr<PresetChoice> ChoosePreset(const Contacts& contacts,
   const Progress each =
       progress.Part("choose preset", 1)
           .Part("", 1.0 / static_cast<double>(2 * request.presets.size()));
-  Comparison comparison(contacts, folds, parallel, each, ranks,
-                        request.considered, choice);
+  Comparison comparison(contacts, folds, parallel, each, ranks, request,
+                        choice);
   for (const auto& [name, options] : request.presets) {
-    comparison.Try(name, WithNetworks(options, 0));
+    TACTUS_RETURN_IF_ERROR(comparison.Try(name, WithNetworks(options, 0)));
   }
   if (comparison.compared().empty()) return NoneSuits(choice);
   std::vector<Compared> ranked = comparison.compared();
@@ -206,8 +206,8 @@ absl::StatusOr<PresetChoice> ChoosePreset(const Contacts& contacts,
         (alone.options.learner != Learner::kHmms && !request.networks_given)) {
       continue;
     }
-    comparison.TryWithinLimit(alone.preset,
-                              WithNetworks(alone.options, networks));
+    TACTUS_RETURN_IF_ERROR(comparison.TryWithinLimit(
+        alone.preset, WithNetworks(alone.options, networks)));
   }
   std::vector<Compared> pool = comparison.compared();
   // Whoever asks for LSTMs gets the preset that is best with them.

@@ -65,6 +65,8 @@ struct ChoiceRequest {
   // Called with each candidate when its answers to the contacts are counted, on
   // the calling thread.
   std::function<void(const ChoiceCandidate&, int contacts)> considered = {};
+  // As for RightOutOfFold; may be empty.
+  std::function<bool()> cancelled = {};
 };
 
 struct PresetChoice {
@@ -89,7 +91,7 @@ bool IsChosen(const ChoiceCandidate& candidate, const PresetChoice& choice);
 // A candidate that does not suit the contacts (the load profile of ideal
 // signals), or whose LSTMs would exceed the limit, is not compared.
 // INVALID_TRAINING_DATA if none suits them, or if a class has too few contacts
-// for the folds.
+// for the folds. CANCELLED if the request's function says so.
 absl::StatusOr<PresetChoice> ChoosePreset(
     const std::vector<const LabelledContact*>& contacts,
     const ChoiceRequest& request, const ParallelFor& parallel,

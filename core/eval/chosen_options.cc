@@ -79,7 +79,8 @@ absl::StatusOr<ChosenOptions> ChooseOptions(
   }
   ChoiceRequest choice = {.networks_given = request.networks_given,
                           .work_limit = request.choice_work,
-                          .considered = request.considered};
+                          .considered = request.considered,
+                          .cancelled = request.cancelled};
   for (const char* preset : {"profile", "pattern", "whole-skin", "tuned",
                              "paper", "ridge", "trees", "nearest"}) {
     TACTUS_ASSIGN_OR_RETURN(FitOptions options, request.options_of(preset));

@@ -46,6 +46,7 @@ struct OptionsRequest {
   bool networks_given = false;
   int choice_work = kDefaultChoiceWork;
   std::function<void(const ChoiceCandidate&, int contacts)> considered = {};
+  std::function<bool()> cancelled = {};
   // The options of a preset, with what else was asked for.
   std::function<absl::StatusOr<FitOptions>(absl::string_view preset)>
       options_of;

@@ -10,6 +10,7 @@
 #include "core/train/archive.h"
 #include "core/train/calibrate.h"
 #include "core/train/fit.h"
+#include "core/train/fit_journal.h"
 
 namespace tactus::internal {
 namespace {
@@ -25,21 +26,35 @@ int AnswerOf(const ScoredContact& scored) {
   return static_cast<int>(std::ranges::max_element(scores) - scores.begin());
 }
 
+// Asks whether a fit shall end, and keeps nothing of it.
+class EndAsked : public FitJournal {
+ public:
+  explicit EndAsked(const std::function<bool()>& cancelled)
+      : cancelled_(cancelled) {}
+
+  bool KeepsParts() const override { return false; }
+  bool Cancelled() override { return cancelled_ && cancelled_(); }
+
+ private:
+  const std::function<bool()>& cancelled_;
+};
+
 // Answers the contacts of `fold` with a model of those of `training`: 1 for
 // each that is right.
 absl::Status AnswerFold(const Contacts& contacts, const std::vector<int>& fold,
                         const std::vector<int>& training,
                         const FitOptions& options, const Progress& progress,
-                        std::vector<int>& answers) {
+                        FitJournal& asked, std::vector<int>& answers) {
   Contacts rest;
   for (const int i : training) rest.push_back(contacts[i]);
-  TACTUS_ASSIGN_OR_RETURN(Model model,
-                          FitModel(rest, options, RunSerially, progress));
+  TACTUS_ASSIGN_OR_RETURN(
+      Model model, FitModel(rest, options, RunSerially, progress, &asked));
   TACTUS_ASSIGN_OR_RETURN(const auto compiled,
                           CompiledModel::Create(std::move(model)));
   const std::vector<double> frames =
       FramesToCalibrate(contacts, options, compiled->model().inputs);
   for (const int i : fold) {
+    if (asked.Cancelled()) return WorkCancelled("the comparison");
     const ScoredContact scored = ScoreContact(compiled, *contacts[i], frames);
     answers.push_back(AnswerOf(scored) == scored.labels.back());
   }
@@ -83,19 +98,21 @@ absl::Status FailureOf(const FoldResult& result) {
 absl::StatusOr<std::vector<bool>> RightOutOfFold(
     const Contacts& contacts, const std::vector<std::vector<int>>& folds,
     const FitOptions& options, const ParallelFor& parallel,
-    const Progress& progress, Ranks* ranks) {
+    const Progress& progress, Ranks* ranks,
+    const std::function<bool()>& cancelled) {
   std::vector<std::vector<int>> training;
   for (const std::vector<int>& fold : folds) {
     training.push_back(Complement(fold, static_cast<int>(contacts.size())));
   }
   return RightOutOfFold(contacts, folds, training, options, parallel, progress,
-                        ranks);
+                        ranks, cancelled);
 }
 
 absl::StatusOr<std::vector<bool>> RightOutOfFold(
     const Contacts& contacts, const std::vector<std::vector<int>>& folds,
     const std::vector<std::vector<int>>& training, const FitOptions& options,
-    const ParallelFor& parallel, const Progress& progress, Ranks* given_ranks) {
+    const ParallelFor& parallel, const Progress& progress, Ranks* given_ranks,
+    const std::function<bool()>& cancelled) {
   FitOptions fit = options;
   fit.calibrate = false;
   fit.held_out = 0;
@@ -114,11 +131,12 @@ absl::StatusOr<std::vector<bool>> RightOutOfFold(
   }
   const Progress each =
       progress.Part("", 1 / static_cast<double>(folds.size()));
+  EndAsked asked(cancelled);
   std::vector<FoldResult> results(folds.size());
   parallel(static_cast<int>(own.size()), [&](int k) {
     const int f = own[k];
     const absl::Status scored = AnswerFold(contacts, folds[f], training[f], fit,
-                                           each, results[f].answers);
+                                           each, asked, results[f].answers);
     if (!scored.ok()) {
       results[f].failure = ToStatusProto(scored).SerializeAsString();
     }

@@ -12,6 +12,7 @@
 // without state.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -26,12 +27,13 @@ namespace tactus::internal {
 // else of the HMMs or of the ridge: a fitted model fuses both where that is
 // better. The answer is that after the last calibration time. The errors of
 // FitModel. `ranks`, if there are some, share out the folds; all must call it
-// with the same arguments.
+// with the same arguments. CANCELLED once `cancelled`, if there is one, returns
+// true; any thread asks it, as often as FitJournal::Cancelled.
 absl::StatusOr<std::vector<bool>> RightOutOfFold(
     const std::vector<const LabelledContact*>& contacts,
     const std::vector<std::vector<int>>& folds, const FitOptions& options,
     const ParallelFor& parallel, const Progress& progress = {},
-    Ranks* ranks = nullptr);
+    Ranks* ranks = nullptr, const std::function<bool()>& cancelled = {});
 
 // The same by models of `training`, the contacts that the model for each fold
 // is fitted to.
@@ -40,6 +42,6 @@ absl::StatusOr<std::vector<bool>> RightOutOfFold(
     const std::vector<std::vector<int>>& folds,
     const std::vector<std::vector<int>>& training, const FitOptions& options,
     const ParallelFor& parallel, const Progress& progress = {},
-    Ranks* ranks = nullptr);
+    Ranks* ranks = nullptr, const std::function<bool()>& cancelled = {});
 
 }  // namespace tactus::internal

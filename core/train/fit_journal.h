@@ -26,8 +26,9 @@
 // put again after every epoch and replaces the one before. Once a fold's scores
 // are there, FitModel does not ask for other parts of the fold.
 //
-// The base class keeps nothing and never cancels. Methods may be called from
-// several threads at once.
+// The base class keeps nothing and never cancels. A journal that keeps no parts
+// says so, and spares the fit making and sealing them. Methods may be called
+// from several threads at once.
 #pragma once
 
 #include <optional>
@@ -63,6 +64,8 @@ class FitJournal {
  public:
   virtual ~FitJournal() = default;
 
+  // False: Find and Put are not called.
+  virtual bool KeepsParts() const { return true; }
   // Returns the bytes that were put last under this name, if any.
   virtual std::optional<std::string> Find(absl::string_view /*part*/) {
     return std::nullopt;

@@ -35,7 +35,8 @@ void AddContact(const LabelledContact& contact, Sha256& hash) {
 SavedParts::SavedParts(FitJournal* journal,
                        const std::vector<const LabelledContact*>& contacts,
                        const FitOptions& options)
-    : journal_(journal) {
+    : journal_(journal != nullptr && journal->KeepsParts() ? journal
+                                                           : nullptr) {
   if (journal_ == nullptr) return;
   ByteWriter writer;
   writer(std::string(kVersion), options, uint64_t{contacts.size()});

@@ -33,7 +33,7 @@ namespace tactus::internal {
 
 class SavedParts {
  public:
-  // Reads all contacts once unless `journal` is null.
+  // Reads all contacts once unless `journal` is null or keeps no parts.
   SavedParts(FitJournal* journal,
              const std::vector<const LabelledContact*>& contacts,
              const FitOptions& options);

@@ -238,6 +238,32 @@ TEST(AutoPresetTest, TooFewContactsAreRefused) {
             "INVALID_TRAINING_DATA");
 }
 
+// Also where a candidate that cannot be fitted would be left out.
+TEST(AutoPresetTest, ItCanBeCancelledAtAnyQuestion) {
+  const auto contacts = ForceContacts(6);
+  int questions = 0;
+  int cancel_at = 0;
+  ChoiceRequest request = {
+      .presets = {{"force", HmmOf({Cue::kForce})},
+                  {"motion", HmmOf({Cue::kMotion})}},
+      .cancelled = [&] { return ++questions == cancel_at; }};
+  const auto whole = ChoosePreset(PointersTo(contacts), request, RunSerially);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  const int all = questions;
+  ASSERT_GT(all, 100);
+  for (cancel_at = 1; cancel_at <= all; cancel_at += all / 20) {
+    questions = 0;
+    const auto cancelled =
+        ChoosePreset(PointersTo(contacts), request, RunSerially);
+    ASSERT_EQ(ReasonOf(cancelled.status()), "CANCELLED") << cancel_at;
+  }
+  request.cancelled = nullptr;
+  const auto unasked = ChoosePreset(PointersTo(contacts), request, RunSerially);
+  ASSERT_TRUE(unasked.ok()) << unasked.status();
+  EXPECT_EQ(unasked->name, whole->name);
+  EXPECT_EQ(unasked->candidates.size(), whole->candidates.size());
+}
+
 // The multiplications of a small network, counted by hand.
 TEST(AutoPresetTest, TheWorkIsThatOfTheLoops) {
   const auto contacts = OrderContacts();

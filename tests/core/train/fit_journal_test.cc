@@ -33,7 +33,9 @@ class MemoryJournal : public FitJournal {
     points.push_back(point);
   }
   bool Cancelled() override { return ++questions == cancel_at; }
+  bool KeepsParts() const override { return keeps; }
 
+  bool keeps = true;
   std::map<std::string, std::string> parts;
   std::vector<LearningPoint> points;
   int questions = 0;
@@ -96,6 +98,20 @@ TEST_F(FitJournalTest, CancelledAnywhereItResumesToTheSameBytes) {
     ASSERT_EQ(*Fit(&journal), expected_) << k;
     EXPECT_LE(journal.questions, whole.questions) << k;
   }
+}
+
+TEST_F(FitJournalTest, WithoutPartsItWatchesAndCancels) {
+  MemoryJournal whole;
+  ASSERT_EQ(*Fit(&whole), expected_);
+  MemoryJournal watching;
+  watching.keeps = false;
+  ASSERT_EQ(*Fit(&watching), expected_);
+  EXPECT_EQ(watching.puts, 0);
+  EXPECT_EQ(watching.points.size(), whole.points.size());
+  EXPECT_EQ(watching.questions, whole.questions);
+  watching.questions = 0;
+  watching.cancel_at = whole.questions / 2;
+  EXPECT_EQ(ReasonOf(Fit(&watching).status()), "CANCELLED");
 }
 
 // Someone who watches the fit should not wait for the inputs of all models.
