@@ -103,9 +103,7 @@ step "scripts" check_scripts
 build_and_test release "${release_tests[@]}"
 if [[ $full == yes ]]; then
   step "default bundle comes out again" deploy/train-default-bundle.sh --check
-  step "python: configure" cmake --preset python
-  step "python: build" cmake --build --preset python
-  step "python: test" env TACTUS_PYTHON_NATIVE=yes \
+  step "python: build and test" env TACTUS_PYTHON_NATIVE=yes \
     client/python/tests/run.sh build/release/bin classifier_test
 fi
 # 77: it has said what it lacks.

@@ -23,10 +23,10 @@ class WithoutTheModuleTest(unittest.TestCase):
     def test_the_error_says_what_to_do(self):
         with self.assertRaises(tactus.Error) as caught:
             tactus.Classifier(NO_POSES)
-        self.assertIn("--native", caught.exception.advice)
+        self.assertIn("--pure", caught.exception.advice)
 
 
-@unittest.skipUnless(_native, "needs a wheel of build.sh --native")
+@unittest.skipUnless(_native, "needs the compiled module")
 class ClassifierTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

@@ -4,7 +4,10 @@
 #
 #   client/python/tests/run.sh build/release/bin              all tests
 #   client/python/tests/run.sh build/release/bin stream_test  those of a file
-#   TACTUS_PYTHON_NATIVE=yes client/python/tests/run.sh ...   of build.sh --native
+#   TACTUS_PYTHON_NATIVE=yes client/python/tests/run.sh ...
+#
+# Of build.sh --pure, which compiles nothing; TACTUS_PYTHON_NATIVE=yes: of
+# build.sh as users call it.
 set -euo pipefail
 TACTUS_BIN=$(realpath "$1")
 export TACTUS_BIN
@@ -14,7 +17,9 @@ tests=$(dirname "$(realpath "${BASH_SOURCE[0]}")")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-"$tests/../build.sh" ${TACTUS_PYTHON_NATIVE:+--native} "$work/dist" >/dev/null
+kind=(--pure)
+[[ ${TACTUS_PYTHON_NATIVE:-no} != yes ]] || kind=()
+"$tests/../build.sh" "${kind[@]}" "$work/dist" >/dev/null
 # The environment has Debian's numpy and grpcio, and nothing else of ours.
 "$python" -m venv --system-site-packages "$work/venv"
 "$work/venv/bin/python" -m pip --quiet install --no-index --no-deps \

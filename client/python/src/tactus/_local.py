@@ -1,8 +1,8 @@
 """Classifier: answers in this process, without a server.
 
 It runs the code that a server runs, so its answers have the same bits. The
-module ``tactus._native`` holds that code; a wheel has it if it was built with
-``client/python/build.sh --native``.
+module ``tactus._native`` holds that code; a wheel has it unless it was built
+with ``client/python/build.sh --pure``.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ def _native() -> Any:
     except ImportError as error:
         raise Error("this installation of tactus cannot classify without a server",
                     code="UNIMPLEMENTED",
-                    advice="build its wheel with client/python/build.sh --native, or stream to a "
-                           "server with tactus.Client") from error
+                    advice="install a wheel of client/python/build.sh without --pure, or stream to "
+                           "a server with tactus.Client") from error
     return module
 
 

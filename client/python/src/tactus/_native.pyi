@@ -1,4 +1,4 @@
-"""The compiled part of the package, which wheels of build.sh --native have."""
+"""The compiled part of the package, which wheels of build.sh --pure have not."""
 
 from typing import List, Optional, Tuple
 
