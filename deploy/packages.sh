@@ -8,7 +8,8 @@
 #   tactus-tools     trainctl, tactus-stream, tactus-load, tactus-fakeskin
 #   tactus-console   the console, started by systemd
 #   libtactus-dev    headers, libraries and protos for a robot's program
-#   python3-tactus   the same for Python: tactus.Client and tactus.Classifier
+#   python3-tactus   the same for Python: tactus.Client, tactus.Classifier and
+#                    tactus.TouchClassifier
 #   tactus-ros2      the bridge to ROS 2, with the messages that it publishes
 #
 #   --version=VERSION  of the packages. Without it, that of CMakeLists.txt; if

@@ -2,8 +2,9 @@
 # Builds the Python package: client/python/dist/tactus-VERSION-*.whl.
 #
 #   client/python/build.sh [FOLDER]        FOLDER instead of client/python/dist
-#   client/python/build.sh --pure          without tactus.Classifier, which needs
-#                                          compiling
+#   client/python/build.sh --pure          without what needs compiling:
+#                                          tactus.Classifier, and training in
+#                                          this process
 #   client/python/build.sh --native=BUILD  with the module of that build folder,
 #                                          as it is
 #   PYTHON=python3.12 client/python/build.sh
@@ -49,15 +50,16 @@ missing_of() {
 }
 
 need() {
-  local group lacking
+  local group lacking status=0
   for group in "$@"; do
     lacking=$(missing_of "$group" | tr '\n' ' ')
     [[ -z $lacking ]] || {
       echo "build.sh: these packages are missing, which deploy/install-deps.sh" \
         "$group installs: $lacking" >&2
-      return 1
+      status=1
     }
   done
+  return $status
 }
 
 if [[ $pure == no && -z $native ]]; then
@@ -66,7 +68,7 @@ if [[ $pure == no && -z $native ]]; then
   if [[ $python != /usr/bin/python3 ]]; then
     native+=-$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
   fi
-  echo "build.sh: compiling what classifies in ${native#"$root"/}" >&2
+  echo "build.sh: compiling what classifies and trains in ${native#"$root"/}" >&2
   # The wheel alone goes to the standard output.
   (cd "$root" && cmake --preset python -B "$native" \
     -D PYTHON_EXECUTABLE="$python" --log-level=WARNING &&

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "client/c/include/tactus.h"
 #include "client/c/structs.h"
@@ -13,6 +14,7 @@
 #include "client/front/remote_stream.h"
 #include "client/front/skin_convert.h"
 #include "client/front/wrapped_driver.h"
+#include "client/python/native/local_fit.h"
 #include "client/python/native/local_session.h"
 #include "core/base/status_macros.h"
 #include "tactus/classifier.h"
@@ -59,6 +61,13 @@ static absl::Status LocalSessionExample(const std::string& config,
   using python::LocalModel;
   using python::LocalSession;
 #include "client/python/native/local_session.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status LocalFitExample(
+    const std::string& spec, const std::vector<python::BorrowedTrial>& trials) {
+  using python::LocalFit;
+#include "client/python/native/local_fit.h.inc"
   return absl::OkStatus();
 }
 

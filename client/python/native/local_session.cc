@@ -17,10 +17,15 @@ absl::StatusOr<std::shared_ptr<const LocalModel>> LocalModel::Load(
     const std::string& path) {
   TACTUS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadFileBytes(path, limits::kMaxBundleBytes));
+  return Decode(bytes, path);
+}
+
+absl::StatusOr<std::shared_ptr<const LocalModel>> LocalModel::Decode(
+    absl::string_view bundle, const std::string& path) {
   auto loaded = std::make_shared<LocalModel>();
   loaded->path = path;
-  loaded->sha256 = BundleSha256(bytes);
-  auto decoded = DecodeBundle(bytes);
+  loaded->sha256 = BundleSha256(bundle);
+  auto decoded = DecodeBundle(bundle);
   if (!decoded.ok()) return Annotate(decoded.status(), path);
   loaded->model = *std::move(decoded);
   const absl::Status same = RunWarmUp(*loaded->model);

@@ -33,6 +33,9 @@ struct LocalModel {
   // IO, BUNDLE_CORRUPT, BUNDLE_VERSION, INVALID_MODEL.
   static absl::StatusOr<std::shared_ptr<const LocalModel>> Load(
       const std::string& path);
+  // The same of a bundle in memory, which answers say is `path`.
+  static absl::StatusOr<std::shared_ptr<const LocalModel>> Decode(
+      absl::string_view bundle, const std::string& path);
 
   std::shared_ptr<const CompiledModel> model;
   std::string path;

@@ -1,7 +1,9 @@
-// The module tactus._native: LocalModel and LocalSession for Python.
+// The module tactus._native: LocalModel, LocalSession and LocalFit for Python.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <chrono>
+#include <future>
 #include <memory>
 #include <string>
 #include <utility>
@@ -9,7 +11,9 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/cord.h"
+#include "client/python/native/local_fit.h"
 #include "client/python/native/local_session.h"
+#include "core/skin/layout_proto.h"
 #include "tactus/v1/common.pb.h"
 
 namespace tactus::internal::python {
@@ -42,14 +46,94 @@ py::tuple Pair(absl::StatusOr<Made> made) {
   return py::make_tuple(py::cast(*std::move(made)), py::none());
 }
 
+py::tuple Loaded(
+    const absl::StatusOr<std::shared_ptr<const LocalModel>>& made) {
+  if (!made.ok()) return py::make_tuple(py::none(), Failure(made.status()));
+  return py::make_tuple(std::const_pointer_cast<LocalModel>(*made), py::none());
+}
+
 py::tuple Load(const std::string& path) {
   absl::StatusOr<std::shared_ptr<const LocalModel>> made;
   {
     const py::gil_scoped_release released;
     made = LocalModel::Load(path);
   }
-  if (!made.ok()) return py::make_tuple(py::none(), Failure(made.status()));
-  return py::make_tuple(std::const_pointer_cast<LocalModel>(*made), py::none());
+  return Loaded(made);
+}
+
+py::tuple Decode(const std::string& bundle, const std::string& path) {
+  absl::StatusOr<std::shared_ptr<const LocalModel>> made;
+  {
+    const py::gil_scoped_release released;
+    made = LocalModel::Decode(bundle, path);
+  }
+  return Loaded(made);
+}
+
+py::bytes GeometryOf(const LocalModel& model) {
+  return LayoutToProto(model.model->model().layout).SerializeAsString();
+}
+
+// The bytes of a C-contiguous array, which stay where they are.
+class View {
+ public:
+  explicit View(const py::handle& array) {
+    if (PyObject_GetBuffer(array.ptr(), &view_, PyBUF_SIMPLE) != 0) {
+      throw py::error_already_set();
+    }
+  }
+  View(const View&) = delete;
+  View& operator=(const View&) = delete;
+  ~View() { PyBuffer_Release(&view_); }
+
+  absl::string_view bytes() const {
+    return {static_cast<const char*>(view_.buf),
+            static_cast<size_t>(view_.len)};
+  }
+
+ private:
+  Py_buffer view_;
+};
+
+// How often signals are looked at and progress is shown.
+constexpr auto kShowEvery = std::chrono::milliseconds(100);
+
+// A pair of the bundle and of None, or of None and the error. The training has
+// threads of its own, because signals reach Python on the calling thread alone.
+// `progress` is called with the phase and its fraction; what it raises, or a
+// signal's handler does, ends the training and is raised.
+py::tuple Fit(const py::list& trials, const std::string& spec, int threads,
+              const std::string& command, const std::string& data,
+              const py::function& progress) {
+  std::vector<std::unique_ptr<View>> views;
+  std::vector<BorrowedTrial> borrowed;
+  for (const py::handle& item : trials) {
+    const auto pair = py::cast<py::tuple>(item);
+    views.push_back(std::make_unique<View>(pair[1]));
+    borrowed.push_back({py::cast<std::string>(pair[0]), views.back()->bytes()});
+  }
+  LocalFit fit(spec, {.threads = threads, .command = command, .data = data});
+  auto running =
+      std::async(std::launch::async, [&] { return fit.Run(borrowed); });
+  const auto ended = [&](std::chrono::milliseconds wait) {
+    const py::gil_scoped_release released;
+    return running.wait_for(wait) == std::future_status::ready;
+  };
+  try {
+    while (!ended(kShowEvery)) {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      const auto [phase, fraction] = fit.Done();
+      progress(phase, fraction);
+    }
+  } catch (...) {
+    fit.Cancel();
+    const py::gil_scoped_release released;
+    running.wait();
+    throw;
+  }
+  const absl::StatusOr<std::string> bundle = running.get();
+  if (!bundle.ok()) return py::make_tuple(py::none(), Failure(bundle.status()));
+  return py::make_tuple(py::bytes(*bundle), py::none());
 }
 
 py::tuple Open(const std::shared_ptr<LocalModel>& model,
@@ -83,7 +167,20 @@ py::tuple Exchange(LocalSession& session, const py::bytes& request) {
 PYBIND11_MODULE(_native, module) {
   py::class_<LocalModel, std::shared_ptr<LocalModel>>(module, "Model")
       .def_readonly("path", &LocalModel::path)
-      .def_readonly("sha256", &LocalModel::sha256);
+      .def_readonly("sha256", &LocalModel::sha256)
+      .def_property_readonly("geometry", &GeometryOf)
+      .def_property_readonly(
+          "rate_hz",
+          [](const LocalModel& model) {
+            return model.model->model().inputs.sample_rate_hz;
+          })
+      .def_property_readonly("classes",
+                             [](const LocalModel& model) {
+                               return model.model->model().class_names;
+                             })
+      .def_property_readonly("note", [](const LocalModel& model) {
+        return model.model->model().provenance.note;
+      });
   py::class_<LocalSession>(module, "Session")
       .def("started",
            [](const LocalSession& session) {
@@ -91,6 +188,8 @@ PYBIND11_MODULE(_native, module) {
            })
       .def("exchange", &Exchange);
   module.def("load", &Load);
+  module.def("decode", &Decode);
+  module.def("fit", &Fit);
   module.def("open", &Open);
 }
 

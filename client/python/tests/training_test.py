@@ -230,7 +230,7 @@ class TrainingTest(unittest.TestCase):
             frames[5:55, row:row + 2, column:column + 2] = force * random.uniform(0.9, 1.1)
             X.append(frames[:random.integers(50, 60)])
             y.append(label)
-        model = tactus.TouchClassifier(skin, self.server.address, preset="ridge")
+        model = tactus.TouchClassifier(skin, "ridge", address=self.server.address)
         with self.assertRaises(tactus.Error):
             model.predict(X)
         copy = clone(model)

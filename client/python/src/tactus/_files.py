@@ -87,7 +87,10 @@ def write_trials(path: Union[str, "os.PathLike[str]"], trials: Sequence[Trial]) 
                 group.attrs["layout"] = whole.name
                 group.attrs["skin"] = json_format.MessageToJson(
                     to_geometry(whole), preserving_proto_field_name=True, indent=0)
-            for name in (*_TEXTS, *_NUMBERS):
+            for name in _TEXTS:
+                # h5py takes no texts of numpy, which labels often are.
+                group.attrs[name] = str(getattr(trial, name))
+            for name in _NUMBERS:
                 group.attrs[name] = getattr(trial, name)
             group.attrs["sample_rate_hz"] = float(trial.rate_hz)
             group.attrs["unit"] = trial.unit

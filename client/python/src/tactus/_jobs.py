@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import sys
 import time
 from dataclasses import dataclass
 from typing import Any, Iterator, Mapping, Optional, Tuple
@@ -11,6 +10,7 @@ from typing import Any, Iterator, Mapping, Optional, Tuple
 from tactus._connection import Api
 from tactus._errors import Error, JobError, from_message, may_retry
 from tactus._names import time_of
+from tactus._progress import Bar
 from tactus.v1 import operations_pb2 as pb
 
 STATES = {1: "queued", 2: "running", 3: "cancelling", 4: "succeeded", 5: "failed",
@@ -181,7 +181,7 @@ class Job:
         cancelled, and TimeoutError after ``timeout_s`` seconds; the job goes on.
         """
         deadline = None if timeout_s is None else time.monotonic() + timeout_s
-        bar = _Bar() if progress else None
+        bar = Bar(self.name) if progress else None
         try:
             while not self.ended:
                 left = 2.0 if bar is not None else 30.0
@@ -195,7 +195,7 @@ class Job:
                     pb.WaitOperationRequest(name=self.name, timeout_ms=max(1, int(left * 1000))),
                     pb.WaitOperationResponse, again=True).operation
                 if bar is not None:
-                    bar.show(self)
+                    bar.show(self.phase or self.state, self.fraction)
         finally:
             if bar is not None:
                 bar.close()
@@ -251,33 +251,6 @@ class Job:
 
     def __repr__(self) -> str:
         return f"<tactus.Job {self.name}, {self.kind}, {self.state}>"
-
-
-class _Bar:
-    """Shows how far a job is."""
-
-    def __init__(self) -> None:
-        self._phase = ""
-        try:
-            from tqdm.auto import tqdm
-        except ImportError:
-            self._bar = None
-        else:
-            self._bar = tqdm(total=100, unit="%", leave=False)
-
-    def show(self, job: Job) -> None:
-        text = job.phase or job.state
-        if self._bar is not None:
-            self._bar.set_description(text)
-            self._bar.n = round(100 * job.fraction)
-            self._bar.refresh()
-        elif text != self._phase:
-            print(f"{job.name}: {text}", file=sys.stderr)
-        self._phase = text
-
-    def close(self) -> None:
-        if self._bar is not None:
-            self._bar.close()
 
 
 def _given(message: Any, name: str) -> Optional[float]:

@@ -8,7 +8,7 @@ with ``client/python/build.sh --pure``.
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, List, Optional, Union
+from typing import Any, Callable, List, Optional, Tuple, Union
 
 from tactus._calibration import Calibration
 from tactus._errors import Error, from_message, invalid, stream_finished
@@ -16,29 +16,30 @@ from tactus._frames import END_OF_TRIAL, Message
 from tactus._answers import Answer
 from tactus._link import State
 from tactus._options import StreamOptions
-from tactus._skin import Skin
+from tactus._skin import Skin, from_geometry
 from tactus._stream import Stream, StreamCore
 from tactus._trials import Trial
 from tactus.v1 import common_pb2, contact_pb2
 
 
-def _native() -> Any:
+def native() -> Any:
+    """The compiled module."""
     try:
         from tactus import _native as module
     except ImportError as error:
-        raise Error("this installation of tactus cannot classify without a server",
+        raise Error("this installation of tactus cannot classify and train without a server",
                     code="UNIMPLEMENTED",
-                    advice="install a wheel of client/python/build.sh without --pure, or stream to "
-                           "a server with tactus.Client") from error
+                    advice="install a wheel of client/python/build.sh without --pure, or use a "
+                           "server: tactus.Client, TouchClassifier(address=...)") from error
     return module
 
 
-def _made(pair: Any) -> Any:
+def made(pair: Any) -> Any:
     """What a function of the module made; raises its error."""
-    made, failure = pair
+    result, failure = pair
     if failure is not None:
         raise from_message(common_pb2.Status.FromString(failure))
-    return made
+    return result
 
 
 class _Progress:
@@ -60,7 +61,7 @@ class LocalLink:
     def __init__(self, model: Any, config: Any,
                  deliver: Callable[[Any, Optional[Message]], None],
                  notice: Callable[[Any], None]) -> None:
-        self._session = _made(_native().open(model, config.SerializeToString()))
+        self._session = made(native().open(model, config.SerializeToString()))
         self._deliver = deliver
         self._notice = notice
         self.started = contact_pb2.StreamStarted.FromString(self._session.started())
@@ -123,7 +124,15 @@ class Classifier:
     """
 
     def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:
-        self._model = _made(_native().load(os.fspath(path)))
+        self._model = made(native().load(os.fspath(path)))
+
+    @classmethod
+    def decode(cls, bundle: bytes, path: str = "") -> "Classifier":
+        """A model whose file is in memory. BUNDLE_CORRUPT, BUNDLE_VERSION,
+        INVALID_MODEL."""
+        classifier = cls.__new__(cls)
+        classifier._model = made(native().decode(bundle, path))
+        return classifier
 
     @property
     def path(self) -> str:
@@ -133,6 +142,25 @@ class Classifier:
     def sha256(self) -> str:
         """SHA-256 of the model's file, hexadecimal."""
         return str(self._model.sha256)
+
+    @property
+    def classes(self) -> Tuple[str, ...]:
+        """The model's classes, in its order."""
+        return tuple(self._model.classes)
+
+    @property
+    def note(self) -> str:
+        """What was noted of the model when it was made."""
+        return str(self._model.note)
+
+    @property
+    def skin(self) -> Optional[Skin]:
+        """The skin of its training data, in its unit as float32; None for a model
+        of any skin."""
+        geometry: Any = common_pb2.SensorGeometry.FromString(self._model.geometry)
+        if not geometry.layout:
+            return None
+        return from_geometry(geometry, dtype="float32", rate_hz=self._model.rate_hz)
 
     def stream(self, skin: Skin, *, calibration: Optional[Calibration] = None, tare: int = 0,
                drift_s: float = 0.0, **options: Any) -> Stream:

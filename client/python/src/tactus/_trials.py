@@ -154,6 +154,21 @@ def _wrong(trial: Trial, what: str, value: object, expected: str) -> Error:
 
 def to_record(trial: Trial, name: str) -> bytes:
     """A serialised ``tactus.v1.TrialRecord``, with ``name`` for an id."""
+    record = _record_without_taxels(trial, name)
+    if trial.taxels is not None:
+        little = trial.taxels.dtype.newbyteorder("<")
+        record.taxels = trial.taxels.astype(little, copy=False).tobytes()
+    serialised: bytes = record.SerializeToString()
+    return serialised
+
+
+def borrowed_record(trial: Trial, name: str) -> bytes:
+    """The same without the values of the taxels, which stay in their array."""
+    serialised: bytes = _record_without_taxels(trial, name).SerializeToString()
+    return serialised
+
+
+def _record_without_taxels(trial: Trial, name: str) -> Any:
     record: Any = trial_pb2.TrialRecord(
         id=name, label=trial.label, condition=trial.condition, object=trial.object,
         material=trial.material, stiffness=trial.stiffness, velocity=trial.velocity,
@@ -168,8 +183,6 @@ def to_record(trial: Trial, name: str) -> bytes:
         record.geometry.CopyFrom(to_geometry(trial.skin))
         record.taxel_type = TAXEL_TYPES[trial.skin.dtype]
         record.scale = 0.0 if trial.skin.dtype == "float32" else trial.skin.scale
-        little = trial.taxels.dtype.newbyteorder("<")
-        record.taxels = trial.taxels.astype(little, copy=False).tobytes()
     for touch in trial.touches:
         made = record.touches.add(
             begin_s=touch.begin_s, end_s=touch.end_s, label=touch.label, row=touch.row,
@@ -177,8 +190,7 @@ def to_record(trial: Trial, name: str) -> bytes:
             stiffness=touch.stiffness)
         if touch.object_motion is not None:
             made.object_motion.extend(touch.object_motion.tolist())
-    serialised: bytes = record.SerializeToString()
-    return serialised
+    return record
 
 
 def from_record(record: Any) -> Trial:
