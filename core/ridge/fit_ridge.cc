@@ -29,6 +29,9 @@ constexpr std::array<double, 7> kSharpness = {1, 2, 4, 8, 12, 18, 27};
 // each.
 constexpr size_t kThresholdContacts = 96;
 constexpr size_t kThresholdFrames = 16;
+// Rows of the kernel matrix that are made between two questions whether to go
+// on.
+constexpr Eigen::Index kKernelRows = 192;
 // A number that varies less than this fraction of its mean does not count.
 constexpr double kConstant = 1e-6;
 
@@ -100,12 +103,15 @@ void FitThresholds(std::span<const HistorySample> samples, uint64_t seed,
 }
 
 // The numbers of all parts of all contacts, a row each.
-Rows MakeRows(std::span<const HistorySample> samples, const HistorySpec& spec) {
+absl::StatusOr<Rows> MakeRows(std::span<const HistorySample> samples,
+                              const HistorySpec& spec,
+                              const RidgeOptions& options) {
   const auto numbers = static_cast<Eigen::Index>(spec.numbers());
   Rows rows(static_cast<Eigen::Index>(samples.size() * kPartCount), numbers);
   TouchHistory history(&spec);
   Eigen::Index row = 0;
   for (const HistorySample& sample : samples) {
+    TACTUS_RETURN_IF_ERROR(options.go_on());
     history.Reset();
     size_t t = 0;
     for (const double part : kHistoryParts) {
@@ -194,6 +200,26 @@ std::vector<std::vector<Eigen::Index>> ContactsOfGroups(
   return groups;
 }
 
+// The products of all pairs of rows. Each element is the same sum whichever
+// rows are made together.
+absl::StatusOr<Matrix> KernelOf(const Rows& rows, const RidgeOptions& options) {
+  const Eigen::Index count = rows.rows();
+  Rows product(count, count);
+  for (Eigen::Index first = 0; first < count; first += kKernelRows) {
+    TACTUS_RETURN_IF_ERROR(options.go_on());
+    const Eigen::Index size = std::min(kKernelRows, count - first);
+    const auto some = rows.middleRows(first, size);
+    product.block(first, 0, size, first).noalias() =
+        some * rows.topRows(first).transpose();
+    Rows square = Rows::Zero(size, size);
+    square.selfadjointView<Eigen::Lower>().rankUpdate(some);
+    product.block(first, first, size, size) = square;
+  }
+  Matrix kernel = product.cast<double>();
+  kernel.triangularView<Eigen::StrictlyUpper>() = kernel.transpose();
+  return kernel;
+}
+
 // The class indicators of `parts` rows a contact, less the shares of the
 // classes.
 Matrix Indicators(std::span<const HistorySample> samples, size_t parts,
@@ -261,7 +287,7 @@ absl::StatusOr<Candidate> FitTo(const TaxelShape& shape,
   DrawMixtures(options.seed, spec);
   FitThresholds(samples, options.seed, spec);
   TACTUS_RETURN_IF_ERROR(options.go_on());
-  Rows rows = MakeRows(samples, spec);
+  TACTUS_ASSIGN_OR_RETURN(Rows rows, MakeRows(samples, spec, options));
   FitScaling(rows, ridge);
   const std::vector<float> block = BlockWeights(spec);
   for (Eigen::Index r = 0; r < rows.rows(); ++r) {
@@ -269,11 +295,7 @@ absl::StatusOr<Candidate> FitTo(const TaxelShape& shape,
     Standardise(row, ridge.offset, ridge.gain, kRidgeLimit, row);
     for (size_t i = 0; i < block.size(); ++i) row[i] *= block[i];
   }
-  TACTUS_RETURN_IF_ERROR(options.go_on());
-  Rows product = Rows::Zero(rows.rows(), rows.rows());
-  product.selfadjointView<Eigen::Lower>().rankUpdate(rows);
-  Matrix kernel = product.cast<double>();
-  kernel.triangularView<Eigen::StrictlyUpper>() = kernel.transpose();
+  TACTUS_ASSIGN_OR_RETURN(Matrix kernel, KernelOf(rows, options));
   TACTUS_RETURN_IF_ERROR(options.go_on());
 
   Eigen::RowVectorXd share = Eigen::RowVectorXd::Zero(options.classes);

@@ -71,9 +71,10 @@ TEST(FitRidgeTest, AnswersToContactsThatItHasNotSeen) {
 }
 
 // At the minimum of |y - Z w|^2 + penalty |w|^2, Z^T (y - Z w) = penalty w,
-// whatever the penalty is.
+// whatever the penalty is. So many contacts that their kernel matrix is made in
+// several parts.
 TEST(FitRidgeTest, IsAtTheMinimum) {
-  const Touches touches = MakeTouches(3, 8, 1.5, 3);
+  const Touches touches = MakeTouches(3, 30, 1.5, 3);
   const auto ridge = FitRidge(touches.samples, OptionsFor(3));
   ASSERT_TRUE(ridge.ok());
   const size_t numbers = ridge->offset.size();
@@ -160,11 +161,25 @@ TEST(FitRidgeTest, PoorDataGiveFiniteAnswers) {
   EXPECT_TRUE(Validate(*constant).ok()) << Validate(*constant);
 }
 
-TEST(FitRidgeTest, CanBeEnded) {
-  const Touches touches = MakeTouches(2, 4, 1, 6);
+TEST(FitRidgeTest, CanBeEndedAtAnyQuestion) {
+  const Touches touches = MakeTouches(2, 40, 1, 6);
   RidgeOptions options = OptionsFor(2);
-  options.go_on = [] { return absl::CancelledError("enough"); };
-  EXPECT_EQ(FitRidge(touches.samples, options).status().message(), "enough");
+  int questions = 0;
+  int end_at = 0;
+  options.go_on = [&] {
+    return ++questions == end_at ? absl::CancelledError("enough")
+                                 : absl::OkStatus();
+  };
+  ASSERT_TRUE(FitRidge(touches.samples, options).ok());
+  const int all = questions;
+  // One for each contact, and some for the matrix and the penalties.
+  EXPECT_GT(all, 85);
+  for (end_at = 1; end_at <= all; end_at += 7) {
+    questions = 0;
+    EXPECT_EQ(FitRidge(touches.samples, options).status().message(), "enough")
+        << end_at;
+    EXPECT_EQ(questions, end_at);
+  }
 }
 
 TEST(RidgeTest, WrongPartsAreNamed) {
