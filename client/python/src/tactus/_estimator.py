@@ -250,6 +250,13 @@ class TouchClassifier:
                                "TouchClassifier.load(path)")
         return dict(self.__dict__)
 
+    def __sklearn_tags__(self) -> Any:
+        # Releases from 1.6 on ask for it instead of _estimator_type.
+        from sklearn.utils import ClassifierTags, Tags, TargetTags
+
+        return Tags(estimator_type="classifier", target_tags=TargetTags(required=True),
+                    classifier_tags=ClassifierTags())
+
     def __sklearn_is_fitted__(self) -> bool:
         return self._on_server() or "_bundle" in self.__dict__
 
