@@ -241,7 +241,8 @@ class EstimatorTest(unittest.TestCase):
                 (lambda: tactus.TouchClassifier(PALM.replace(onset_threshold=-1), "ridge").fit(
                     X, y), "INVALID_TRIAL", "onset_threshold"),
                 (lambda: tactus.TouchClassifier(PALM, "ridge").fit(
-                    [frames.astype("float32") for frames in X], y), "INVALID_TRIAL", "dtype"),
+                    [*X[:35], X[35].astype("float32")], y), "INVALID_TRIAL",
+                 "trial 000035: taxels.dtype"),
                 (lambda: self.model.delete(), "", "in this process")):
             with self.subTest(word), self.assertRaises(tactus.Error) as caught:
                 call()

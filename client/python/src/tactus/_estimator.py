@@ -118,8 +118,10 @@ class TouchClassifier:
         classes, counts = numpy.unique(labels, return_counts=True)
         names = [str(label) for label in classes]
         kinds = [""] * len(X) if groups is None else [str(group) for group in groups]
-        trials = [Trial(taxels=numpy.asarray(frames), label=str(label), skin=skin, material=group)
-                  for frames, label, group in zip(X, labels, kinds)]
+        # Errors name a recording by its place.
+        trials = [Trial(taxels=numpy.asarray(frames), label=str(label), skin=skin, material=group,
+                        id=f"{i:06d}")
+                  for i, (frames, label, group) in enumerate(zip(X, labels, kinds))]
         note = _note(skin, labels.dtype, counts)
         if self.address is None:
             bundle = train(trials, preset=self.preset, seed=self.seed, threads=self.threads,
