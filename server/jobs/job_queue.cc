@@ -11,6 +11,7 @@
 #include "core/base/serialize.h"
 #include "core/base/status_macros.h"
 #include "core/base/status_proto.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/store/lost_and_found.h"
 #include "server/names/resource_names.h"
@@ -250,7 +251,10 @@ void JobQueue::Run(const Job& job, bool training) {
     return Rest(training, name, operation.status());
   }
   if (HasEnded(*operation)) return RemoveFolder(name);
-  spdlog::info("{}: attempt {}", name, operation->attempts());
+  spdlog::info("{}: attempt {}, for {}{}{}", name, operation->attempts(),
+               Printable(operation->requester()),
+               operation->request_id().empty() ? "" : ", request ",
+               Printable(operation->request_id()));
   Operation done = *operation;
   absl::Status status = RunProcess(*job.lock, done);
   // A job has no part in it if the catalogue is away. It goes on when that is

@@ -144,6 +144,7 @@ absl::StatusOr<bool> OperationStore::CreateIn(Transaction& change,
   operation->set_name(absl::StrCat(kOperations, "/", number));
   operation->set_create_time_ms(now_());
   operation->set_requester(caller.name);
+  operation->set_request_id(std::string(request_id));
   const std::string key = NumberKey(number);
   if (!request_id.empty()) {
     TACTUS_RETURN_IF_ERROR(change.Put(

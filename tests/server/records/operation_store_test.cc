@@ -57,6 +57,7 @@ TEST_F(OperationStoreTest, ARequestIdGivesOneOperation) {
   Reopen();
   EXPECT_EQ(Create("id"), name);
   EXPECT_EQ(operations().Get(name)->requester(), kCaller.name);
+  EXPECT_EQ(operations().Get(name)->request_id(), "id");
   EXPECT_EQ(operations().Get(name)->state(), Operation::STATE_QUEUED);
   EXPECT_EQ(ReasonOf(operations().Get("operations/9").status()),
             "OPERATION_NOT_FOUND");
