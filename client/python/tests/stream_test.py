@@ -2,12 +2,15 @@
 
 import asyncio
 import json
+import time
 import unittest
+import unittest.mock
 
 import numpy
 
 import tactus
 from support import FOREARM, Server, run, touch
+from tactus._stream import StreamCore
 
 
 class StreamTest(unittest.TestCase):
@@ -102,6 +105,23 @@ class StreamTest(unittest.TestCase):
         many, other = asyncio.run(stream_many())
         self.assertEqual(repr(other), repr(final))
         self.assertEqual(many[-1].sequence, 100)
+
+    def test_async_answers_come_though_the_receiver_is_slow(self):
+        deliver = StreamCore._deliver
+
+        def late(core, shown, message):
+            time.sleep(0.005)
+            deliver(core, shown, message)
+
+        async def stream():
+            async with self.client().stream(FOREARM) as stream:
+                sequences = [a.sequence for a in await stream.push_many(touch(20))]
+                return sequences, await stream.end_trial()
+
+        with unittest.mock.patch.object(StreamCore, "_deliver", late):
+            sequences, final = asyncio.run(stream())
+        self.assertEqual(sequences[-1], 20)
+        self.assertTrue(final.is_final)
 
     def test_several_skins_in_one_loop(self):
         async def one(client, taxels):

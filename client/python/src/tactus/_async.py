@@ -133,10 +133,10 @@ class AsyncStream:
         self._backlog.extend(self._core.writer.flush())
         await self._drain()
         self._link.begin_end()
-        while self._link.history.ending:
+        while self._link.is_ending():
             if self.ended:
                 raise self._link.end_error()
-            await self._change(lambda: not self._link.history.ending or self.ended)
+            await self._change(lambda: not self._link.is_ending() or self.ended)
         return self._core.take_final()
 
     async def close(self) -> Optional[Answer]:
@@ -192,10 +192,11 @@ class AsyncStream:
         """Waits for an answer; False if the one to frame ``due`` has come, or
         does not come soon."""
         def arrived() -> bool:
-            return bool(self._core.answers) or self._link.history.delivered >= due or (
+            return bool(self._core.answers) or self._link.has_delivered(due) or (
                 self._link.state is not State.CONNECTED)
 
-        if not arrived():
+        # What wakes it may be an answer that was taken before.
+        while not arrived():
             await self._change(arrived)
         if self.ended and not self._core.answers and self._link.error is not None:
             raise self._link.error

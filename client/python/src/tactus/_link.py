@@ -195,6 +195,16 @@ class Link:
                 self._lock.notify_all()
             return True
 
+    def has_delivered(self, sequence: int) -> bool:
+        """True if the answer to this frame, or to a later one, was delivered."""
+        with self._mutex:
+            return bool(self.history.delivered >= sequence)
+
+    def is_ending(self) -> bool:
+        """True from ``begin_end`` until the final answer was delivered."""
+        with self._mutex:
+            return bool(self.history.ending)
+
     def begin_end(self) -> None:
         """The trial will get no more frames; its final answer comes."""
         with self._lock:
@@ -327,7 +337,9 @@ class Link:
             if shown is None:
                 return
             self._progressed = True
-        self._deliver(shown, message)
+            # Within the lock: who sees in the history that an answer has come
+            # finds the answer.
+            self._deliver(shown, message)
         if not self._lockstep or self.state is not State.CONNECTED:
             self._tell()
 
