@@ -40,7 +40,6 @@ if [[ $# -gt 2 ]]; then
   node "$3"
 else
   node states_test.mjs "$bin/../share/tactus/console" states
-  node --test pictures_test.mjs
   node --test page_test.mjs
   node --test pages_test.mjs
   node --test import_test.mjs
