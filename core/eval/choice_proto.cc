@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/train/train_spec.h"
+
 namespace tactus::internal {
 namespace {
 
@@ -76,6 +78,18 @@ PresetChoice FromProto(const v1::PresetChoice& proto) {
   choice.nearest_right = static_cast<int>(proto.nearest_correct());
   choice.chance = proto.chance();
   return choice;
+}
+
+OptionsRequest RequestOf(const v1::TrainSpec& spec) {
+  return {.preset = spec.preset(),
+          .skip_unusable = spec.skip_unusable(),
+          .networks_given = spec.has_networks(),
+          .choice_work = spec.has_choice_work()
+                             ? static_cast<int>(spec.choice_work())
+                             : kDefaultChoiceWork,
+          .options_of = [&spec](absl::string_view name) {
+            return OptionsOf(spec, name);
+          }};
 }
 
 }  // namespace tactus::internal

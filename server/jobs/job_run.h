@@ -6,7 +6,7 @@
 //   while (run.Next(timeout, &event) != JobRun::News::kClosed) Use(event);
 //   const JobRun::End end = run.Wait(patience);
 //
-// Not thread-safe, except Terminate.
+// Not thread-safe.
 #pragma once
 
 #include <chrono>

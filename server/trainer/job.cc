@@ -146,25 +146,12 @@ std::string DataName(const std::string& dataset_version,
   return absl::StrCat(dataset_version, " ", spec.dataset_sha256());
 }
 
-OptionsRequest RequestOf(const v1::TrainSpec& spec, bool without_poses) {
-  return {.preset = spec.preset(),
-          .without_poses = without_poses,
-          .skip_unusable = spec.skip_unusable(),
-          .networks_given = spec.has_networks(),
-          .choice_work = spec.has_choice_work()
-                             ? static_cast<int>(spec.choice_work())
-                             : kDefaultChoiceWork,
-          .options_of = [&spec](absl::string_view name) {
-            return OptionsOf(spec, name);
-          }};
-}
-
 // The contacts, with what models of the spec can use of them.
 absl::StatusOr<Contacts> ReadForSpec(FileSystem& files, const v1::JobSpec& spec,
                                      const v1::TrainSpec& train,
                                      const JobThreads& threads,
                                      const Progress& progress) {
-  return ReadForFit(RequestOf(train, false), [&](bool whole_skin) {
+  return ReadForFit(RequestOf(train), [&](bool whole_skin) {
     return ReadContacts(files, spec, threads, progress, whole_skin);
   });
 }
@@ -177,7 +164,8 @@ absl::StatusOr<ChosenOptions> Choose(const v1::TrainSpec& spec,
                                      v1::OperationResult& result,
                                      std::optional<Protocol> protocol = {},
                                      Ranks* ranks = nullptr) {
-  OptionsRequest request = RequestOf(spec, contacts.without_poses);
+  OptionsRequest request = RequestOf(spec);
+  request.without_poses = contacts.without_poses;
   request.protocol = protocol;
   TACTUS_ASSIGN_OR_RETURN(
       ChosenOptions chosen,

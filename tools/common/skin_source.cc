@@ -337,6 +337,13 @@ absl::Status SkinSource::MakeXela(const SkinSourceOptions& options) {
   return absl::OkStatus();
 }
 
+absl::Status SkinSource::MakeHardware(const SkinSourceOptions& options) {
+  if (options.driver == "serial") return MakeSerial(options);
+  if (options.driver == "anyskin") return MakeAnySkin(options);
+  if (options.driver == "xela-can") return MakeXela(options);
+  return absl::OkStatus();
+}
+
 absl::Status SkinSource::MakeDriver(const SkinSourceOptions& options) {
   if (!options.IsLive()) {
     TACTUS_ASSIGN_OR_RETURN(trials_, MakePlayedTrials(options, {}));
@@ -354,11 +361,8 @@ absl::Status SkinSource::MakeDriver(const SkinSourceOptions& options) {
   if (!options.arm.urdf.empty()) {
     TACTUS_ASSIGN_OR_RETURN(arm_, ArmSource::Make(options.arm));
   }
-  if (options.driver == "serial" || options.driver == "anyskin" ||
-      options.driver == "xela-can") {
-    TACTUS_RETURN_IF_ERROR(options.driver == "serial"    ? MakeSerial(options)
-                           : options.driver == "anyskin" ? MakeAnySkin(options)
-                                                         : MakeXela(options));
+  TACTUS_RETURN_IF_ERROR(MakeHardware(options));
+  if (hardware_ != nullptr) {
     buffered_ = std::make_unique<BufferedDriver>(hardware_.get(),
                                                  BufferedDriverOptions{});
     driver_ = buffered_.get();

@@ -133,6 +133,8 @@ class SkinSource {
   SkinSource() = default;
 
   absl::Status MakeDriver(const SkinSourceOptions& options);
+  // The skin on a serial line or a bus of XELA's, if it is one.
+  absl::Status MakeHardware(const SkinSourceOptions& options);
   absl::Status MakeSerial(const SkinSourceOptions& options);
   absl::Status MakeAnySkin(const SkinSourceOptions& options);
   absl::Status MakeXela(const SkinSourceOptions& options);

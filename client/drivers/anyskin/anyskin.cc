@@ -34,9 +34,9 @@ constexpr int64_t kFirstFrames = 8;
 constexpr double kLeastRezeroS = 1;
 constexpr double kMostRezeroS = 1e6;
 
-// A magnetometer of the cross: its taxel, and the layout's x and y of its own
-// ones. The chips are turned on the board. Row 0 is below, so that y points up
-// and z out of the skin.
+// Which taxel a magnetometer of the cross is, and how its x and y become those
+// of the layout: the chips are turned on the board. Row 0 is below, so that y
+// points up and z out of the skin.
 struct CrossChip {
   size_t taxel;
   int x_of_x;

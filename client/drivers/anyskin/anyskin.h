@@ -47,7 +47,7 @@ SkinLayout AnySkinLayout(int magnets);
 struct AnySkinOptions {
   // 1 to limits::kMaxMagnetometers.
   int magnets = 5;
-  // Boards with a USB port of their own have no use for it.
+  // Boards with a USB port of their own ignore it.
   int baud = 115'200;
   // Three signed axes; a taxel for each magnetometer in the order of the
   // frames, or for five the cross of AnySkinLayout. Unset: AnySkinLayout.

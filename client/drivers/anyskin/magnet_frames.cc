@@ -28,8 +28,8 @@ constexpr float kMostDegrees = 1e3F;
 // What rounding leaves of 0 degrees is larger.
 constexpr float kLeastNumber = 1e-6F;
 constexpr size_t kMaxWaitingFrames = 64;
-// Frames of other numbers that are told although none before was whole, and
-// equal distances that tell the number of magnetometers.
+// So many frames with impossible numbers are reported even if no good frame
+// came before them. So many equal distances tell the number of magnetometers.
 constexpr uint64_t kSureMisfits = 3;
 constexpr uint64_t kSureDistances = 5;
 // A frame's time goes this part of the way from an even period to its arrival,

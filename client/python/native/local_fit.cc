@@ -12,6 +12,7 @@
 #include "core/contacts/trained_on.h"
 #include "core/data/frame_fingerprint.h"
 #include "core/data/trial_record.h"
+#include "core/eval/choice_proto.h"
 #include "core/eval/chosen_options.h"
 #include "core/train/fit.h"
 #include "core/train/train_spec.h"
@@ -40,18 +41,6 @@ absl::StatusOr<TakenContact> TakeContact(const BorrowedTrial& borrowed,
                           ExtractContact(trial, {.whole_skin = whole_skin}));
   if (taken.contact) taken.contact->fingerprint = FrameFingerprint(trial);
   return taken;
-}
-
-OptionsRequest RequestOf(const v1::TrainSpec& spec) {
-  return {.preset = spec.preset(),
-          .skip_unusable = spec.skip_unusable(),
-          .networks_given = spec.has_networks(),
-          .choice_work = spec.has_choice_work()
-                             ? static_cast<int>(spec.choice_work())
-                             : kDefaultChoiceWork,
-          .options_of = [&spec](absl::string_view name) {
-            return OptionsOf(spec, name);
-          }};
 }
 
 }  // namespace

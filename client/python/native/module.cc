@@ -98,8 +98,8 @@ class View {
 // How often signals are looked at and progress is shown.
 constexpr auto kShowEvery = std::chrono::milliseconds(100);
 
-// A pair of the bundle and of None, or of None and the error. The training has
-// threads of its own, because signals reach Python on the calling thread alone.
+// A pair of the bundle and of None, or of None and the error. The training runs
+// on other threads, because Python handles signals on the calling thread alone.
 // `progress` is called with the phase and its fraction; what it raises, or a
 // signal's handler does, ends the training and is raised.
 py::tuple Fit(const py::list& trials, const std::string& spec, int threads,

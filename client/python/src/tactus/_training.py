@@ -12,7 +12,7 @@ from tactus._progress import Bar
 from tactus._trials import Trial, borrowed_record
 from tactus.v1 import operations_pb2
 
-# Of numpy's ``threads`` and the like; more would not be cores.
+# No machine has more processors.
 _MOST_THREADS = 1024
 
 

@@ -245,7 +245,7 @@ TEST(MagnetFramesTest, NumbersOfNoChipAreRefusedAndNamed) {
   chips[0].t = 1.5e3F;
   std::string bytes;
   for (int i = 0; i < 5; ++i) bytes += AnySkinFrame(chips);
-  // No frame is good, and still it is told.
+  // No frame is good, and Refused() says why.
   hot.Add(AsBytes(bytes), 7);
   EXPECT_TRUE(AllFields(hot).empty());
   EXPECT_THAT(hot.Refused(), HasSubstr("0 sent a temperature of 1500 degrees"));
