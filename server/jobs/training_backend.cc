@@ -135,13 +135,7 @@ absl::Status TrainingBackend::FollowModels() {
   // Most news is of other things.
   TACTUS_ASSIGN_OR_RETURN(const bool changed, models_.HasNews());
   if (!changed) return absl::OkStatus();
-  TACTUS_ASSIGN_OR_RETURN(const auto followed, models_.Follow());
-  {
-    const std::lock_guard lock(mutex_);
-    failures_ = followed.failures;
-  }
-  if (replica() == nullptr || !followed.serves_all) return absl::OkStatus();
-  return replica()->SayServed(followed.change);
+  return models_.Follow().status();
 }
 
 absl::Status TrainingBackend::SweepShared() {

@@ -92,10 +92,7 @@ class TrainingBackend {
   void Stop();
 
   // Stored versions that could not be loaded, each with its error.
-  std::vector<std::string> failures() const {
-    const std::lock_guard lock(mutex_);
-    return failures_;
-  }
+  std::vector<std::string> failures() const { return models_.failures(); }
 
   DataDirectory& data() { return *parts_.data; }
   DatasetStore& datasets() { return datasets_; }
@@ -146,7 +143,6 @@ class TrainingBackend {
   JobQueue jobs_;
   MemoryBudget listing_{limits::kMaxListingBytes};
   MemoryBudget downloads_{limits::kMaxDownloadBytes};
-  std::vector<std::string> failures_;
   std::unique_ptr<CatalogNews> news_;
 
   mutable std::mutex mutex_;

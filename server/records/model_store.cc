@@ -78,6 +78,7 @@ absl::StatusOr<ModelStore::Followed> ModelStore::Follow() {
             aliases, ScanRecords<v1::Alias>(look, Table::kAliases, {}));
         return absl::OkStatus();
       }));
+  failures_.clear();
   std::set<std::string> stored;
   for (const v1::ModelVersion& version : versions) {
     stored.insert(version.name());
@@ -90,7 +91,7 @@ absl::StatusOr<ModelStore::Followed> ModelStore::Follow() {
     if (pinned.ok()) {
       registry_->Add(name.id, name.version, *std::move(pinned));
     } else {
-      followed.failures.push_back(
+      failures_.push_back(
           absl::StrCat(version.name(), ": ", pinned.status().message()));
     }
   }
@@ -106,8 +107,12 @@ absl::StatusOr<ModelStore::Followed> ModelStore::Follow() {
       registry_->Remove(name.id, name.version);
     }
   }
+  // Whoever could not load a version, or not say what it serves, tries again
+  // with the next news.
   followed_.reset();
-  if (followed.failures.empty()) followed_ = followed.change;
+  const bool said = replica_ == nullptr || !followed.serves_all ||
+                    replica_->SayServed(followed.change).ok();
+  if (said && failures_.empty()) followed_ = followed.change;
   return followed;
 }
 
@@ -122,13 +127,14 @@ absl::StatusOr<bool> ModelStore::HasNews() const {
   return followed_ != last;
 }
 
+std::vector<std::string> ModelStore::failures() const {
+  const std::lock_guard lock(following_);
+  return failures_;
+}
+
 void ModelStore::ServeChange(v1::Alias* alias) {
   const auto followed = Follow();
   if (!followed.ok() || replica_ == nullptr || alias == nullptr) return;
-  // It serves the change even if it cannot say so.
-  if (followed->serves_all) {
-    replica_->SayServed(followed->change).IgnoreError();
-  }
   const auto lagging =
       replica_->WaitServed(followed->change, kPatienceWithOthers);
   if (!lagging.ok()) return;

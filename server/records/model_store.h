@@ -56,17 +56,18 @@ class ModelStore {
     uint64_t change = 0;
     // What each alias names is served.
     bool serves_all = true;
-    // Versions that could not be loaded, each with its error; their aliases are
-    // not served.
-    std::vector<std::string> failures;
   };
 
   // Brings the registry to what is stored: at the start, and after changes that
-  // other servers of the catalogue may have made.
+  // other servers of the catalogue may have made. Then tells the other servers
+  // what this one serves.
   absl::StatusOr<Followed> Follow();
-  // False if Follow would find nothing: it has seen the last change, and could
-  // load all versions.
+  // False if Follow would find nothing: it has seen the last change, could load
+  // all versions and has told the other servers.
   absl::StatusOr<bool> HasNews() const;
+  // Versions that the last Follow could not load, each with its error; their
+  // aliases are not served.
+  std::vector<std::string> failures() const;
 
   // Makes a bundle the next version of "models/M". The number of a version is
   // never used again, even if the version is deleted. `origin` has the fields
@@ -156,8 +157,9 @@ class ModelStore {
   std::mutex importing_;
   // Held while the registry follows, so that it never goes back.
   mutable std::mutex following_;
+  std::vector<std::string> failures_;
   // The change that it has reached; none before the first time, and while a
-  // version cannot be read.
+  // version cannot be read or the others do not know.
   std::optional<uint64_t> followed_;
 };
 

@@ -82,10 +82,8 @@ void Replica::Beat() {
   ++beats_;
   const Time now = Clock::now();
   v1::StoredReplica about = about_;
-  {
-    const std::lock_guard lock(mutex_);
-    about.set_served_change(served_);
-  }
+  const std::lock_guard writing(writing_);
+  about.set_served_change(served_);
   // Others may have forgotten one that was silent.
   const bool again = beats_ > 1 && now - last_beat_ >= pace_.dead;
   const absl::Status given =
@@ -182,17 +180,14 @@ absl::StatusOr<std::vector<Replica::Seen>> Replica::All() const {
 }
 
 absl::Status Replica::SayServed(uint64_t change) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (change <= served_) return absl::OkStatus();
-  }
+  const std::lock_guard writing(writing_);
+  if (change <= served_) return absl::OkStatus();
   v1::StoredReplica about = about_;
   about.set_served_change(change);
   TACTUS_RETURN_IF_ERROR(catalog_->Change([&](Transaction& transaction) {
     return PutRecord(transaction, Table::kReplicas, name(), about);
   }));
-  const std::lock_guard lock(mutex_);
-  served_ = std::max(served_, change);
+  served_ = change;
   return absl::OkStatus();
 }
 

@@ -107,6 +107,10 @@ class Replica {
   const Pace pace_;
   uint64_t beats_ = 0;
   Time last_beat_;
+
+  // Held while the record is written, so that what it says never goes back.
+  std::mutex writing_;
+  // What the record says.
   uint64_t served_ = 0;
 
   mutable std::mutex mutex_;

@@ -60,7 +60,7 @@ struct Stores {
     EXPECT_TRUE(registry.AddBuiltIn("default", TestBundle(0)).ok());
     EXPECT_TRUE(operations->Restore().ok());
     const auto followed = models->Follow();
-    EXPECT_TRUE(followed.ok() && followed->failures.empty());
+    EXPECT_TRUE(followed.ok() && models->failures().empty());
   }
 
   // Writes from the committed size on, in chunks.
