@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Makes a folder that `trainctl import` reads from the slips of BioTacSP-DoS.
 
     /usr/bin/python3 biotac_slip.py SOURCE FOLDER

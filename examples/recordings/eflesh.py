@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Makes a folder that `trainctl import` reads from the slip recordings of eFlesh.
 
     /usr/bin/python3 eflesh.py SOURCE FOLDER [SECONDS]

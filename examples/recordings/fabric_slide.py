@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Makes a folder that `trainctl import` reads from the fabric slides of FabricSlide.
 
     /usr/bin/python3 fabric_slide.py SOURCE FOLDER

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Makes a folder that `trainctl import` reads from the iCub Grasp Dataset.
 
     /usr/bin/python3 icub_grasp.py SOURCE FOLDER

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Makes a folder that `trainctl import` reads from the recordings icub_slide20.
 
     /usr/bin/python3 icub_slide20.py SOURCE FOLDER

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Plays the recordings vitac384 as a skin on a serial line, for a rehearsal.
 
     /usr/bin/python3 play_serial.py SOURCE LINK

@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """Makes what `trainctl import` needs to read the recordings vitac384.
 
     /usr/bin/python3 vitac384.py SOURCE FOLDER

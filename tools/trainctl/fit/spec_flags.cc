@@ -9,6 +9,7 @@
 #include "core/base/limits_questions.h"
 #include "core/base/limits_training.h"
 #include "core/base/status_macros.h"
+#include "core/eval/auto_preset.h"
 #include "core/features/feature.h"
 #include "core/files/file_bytes.h"
 #include "core/questions/question_table.h"
@@ -59,11 +60,12 @@ std::vector<const CLI::Option*> SpecFlags::Add(CLI::App& command) {
                          "nearest, whole-skin or "
                          "profile; default: auto for a skin without poses, "
                          "else tuned"),
-      command.add_option("--choice-work", choice_work,
-                         "With preset auto: work that LSTMs may cost while "
-                         "presets are compared, in billions of "
-                         "multiplications; 0 compares HMMs alone; default: "
-                         "1,000"),
+      command.add_option(
+          "--choice-work", choice_work,
+          absl::StrCat("With preset auto: work that LSTMs may cost while "
+                       "presets are compared, in billions of "
+                       "multiplications; 0 compares HMMs alone; default: ",
+                       kDefaultChoiceWork)),
       command.add_option("--features", features,
                          "Features that models may use: any of f (force), m "
                          "(motion), a (area), like f,m"),
