@@ -287,14 +287,18 @@ absl::StatusOr<NpyArray> ReadZarrArray(const std::string& folder,
   for (size_t a = 0; a < axes; ++a) {
     count *= (plan.shape[a] + plan.chunks[a] - 1) / plan.chunks[a];
   }
-  if (size > *bytes_left || chunk_size > limits::kMaxTrialArrayBytes ||
-      count > kMaxChunks) {
+  // A chunk may be far larger than the part of it that lies in the array, and
+  // an absent one costs its writer nothing, so whole chunks count.
+  if (chunk_size > limits::kMaxTrialArrayBytes || count > kMaxChunks ||
+      count * chunk_size > *bytes_left) {
     return TrialFileInvalid(
-        path, absl::StrCat("has ", size, " bytes in ", count, " chunks of ",
-                           chunk_size, "; a trial has at most ",
-                           limits::kMaxTrialArrayBytes, " in ", kMaxChunks));
+        path,
+        absl::StrCat("has ", size, " bytes in ", count, " chunks of ",
+                     chunk_size, "; the chunks of a trial have at most ",
+                     limits::kMaxTrialArrayBytes,
+                     " bytes, and those of an array are at most ", kMaxChunks));
   }
-  *bytes_left -= size;
+  *bytes_left -= count * chunk_size;
   std::string values(size, '\0');
   std::vector<size_t> at(axes, 0);
   for (size_t number = 0; number < count; ++number) {
