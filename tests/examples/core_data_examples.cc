@@ -83,6 +83,7 @@
 #include "core/import/ros_bag.h"
 #include "core/import/ros_message.h"
 #include "core/import/skin_file.h"
+#include "core/import/skin_folder_writer.h"
 #include "core/import/trial_table.h"
 
 namespace tactus::internal::examples {
@@ -414,6 +415,11 @@ static absl::Status ImportRecordingExample() {
 
 static absl::Status ImportSkinFolderExample() {
 #include "core/import/import_skin_folder.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status SkinFolderWriterExample(const std::vector<Trial>& trials) {
+#include "core/import/skin_folder_writer.h.inc"
   return absl::OkStatus();
 }
 

@@ -177,13 +177,23 @@ TEST(TrialCsvTest, TaxelsAreInTheirUnit) {
   trial.taxels.u16 = {0, 3, 4, 65535};
   trial.taxels.scale = 0.5;
   trial.label = "SM";
-  EXPECT_EQ(*TaxelsToCsv(trial),
-            "# label=SM\n# unit=newton\n# stiffness=0\n# velocity=0\n"
-            "# sample_rate_hz=100\ntime,r0c0,r0c1\n0,0,1.5\n0.5,2,32767.5\n");
+  const std::vector<size_t> places = {0, 1};
+  EXPECT_EQ(*FramesToCsv(trial, places),
+            "time,r0c0,r0c1\n0,0,1.5\n0.5,2,32767.5\n");
+  trial.poses.resize(2);
+  EXPECT_EQ(*FramesToCsv(trial, places),
+            "time,r0c0,r0c1,x,y,z,qx,qy,qz,qw\n"
+            "0,0,1.5,0,0,0,0,0,0,1\n0.5,2,32767.5,0,0,0,0,0,0,1\n");
   EXPECT_EQ(ReasonOf(SignalsToCsv(trial).status()), "TRIAL_FILE_INVALID");
   trial.signals = {{1, 2, 3}, {4, 5, 6}};
   trial.taxels = {};
-  EXPECT_EQ(ReasonOf(TaxelsToCsv(trial).status()), "TRIAL_FILE_INVALID");
+  EXPECT_EQ(ReasonOf(FramesToCsv(trial, places).status()),
+            "TRIAL_FILE_INVALID");
+}
+
+TEST(TrialCsvTest, TouchesAreRefused) {
+  const absl::Status status = SignalsToCsv(TrialOfTouches(3, 17)).status();
+  EXPECT_THAT(std::string(status.message()), HasSubstr("touches"));
 }
 
 }  // namespace

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "core/base/errors.h"
 #include "core/base/status_macros.h"
 #include "core/data/trial_csv.h"
@@ -14,6 +16,7 @@
 #include "core/data/trial_zarr.h"
 #include "core/files/draft_file.h"
 #include "core/files/zarr.h"
+#include "core/import/skin_folder_writer.h"
 #include "tools/trainctl/command.h"
 #include "tools/trainctl/progress_display.h"
 
@@ -30,7 +33,7 @@ struct ExportTrialsFlags {
   bool json = false;
 };
 
-constexpr char kTaxelFolder[] = "taxels";
+constexpr char kSignalFolder[] = "signals";
 
 // Takes trials one at a time; Close() ends the work.
 class Writer {
@@ -63,28 +66,69 @@ class Writer {
     if (format_ == "zarr") {
       return TrialToZarr(trial, fs::path(out_) / trial.id);
     }
-    if (!trial.signals.empty()) {
-      TACTUS_ASSIGN_OR_RETURN(const std::string table, SignalsToCsv(trial));
-      TACTUS_RETURN_IF_ERROR(
-          WriteFileBytes(fs::path(out_) / (trial.id + ".csv"), table));
-    }
-    if (trial.taxels.empty()) return absl::OkStatus();
-    // In another folder, so that `trainctl import` takes the signals alone.
-    const fs::path folder = fs::path(out_) / kTaxelFolder;
-    TACTUS_RETURN_IF_ERROR(MakeFolder(folder));
-    TACTUS_ASSIGN_OR_RETURN(const std::string table, TaxelsToCsv(trial));
-    return WriteFileBytes(folder / (trial.id + ".csv"), table);
+    return WriteCsv(trial);
   }
 
-  absl::Status Close() { return hdf5_ ? hdf5_->Close() : absl::OkStatus(); }
+  absl::Status Close() {
+    if (skin_folder_) return skin_folder_->Close();
+    return hdf5_ ? hdf5_->Close() : absl::OkStatus();
+  }
+
+  // Says what was not written, or is not read again with the taxels; empty if
+  // nothing.
+  std::string LeftOut() const {
+    std::vector<std::string> parts;
+    for (const auto& [part, trials] : left_out_) {
+      parts.push_back(absl::StrCat(part, " (", trials, " trials)"));
+    }
+    return absl::StrJoin(parts, ", ");
+  }
 
  private:
   Writer(std::string format, std::string out)
       : format_(std::move(format)), out_(std::move(out)) {}
 
+  // A folder of recordings of the skin, or files of signals if no trial has
+  // taxels.
+  absl::Status WriteCsv(const Trial& trial) {
+    if (!trial.object_motion.empty()) ++left_out_["object_motion"];
+    if (!skin_folder_ && trial.taxels.empty()) {
+      if (!trial.poses.empty()) ++left_out_["poses"];
+      has_signals_ = true;
+      return WriteSignals(trial, out_);
+    }
+    if (has_signals_) {
+      return TrialFileInvalid(
+          "csv", absl::StrCat("trial ", trial.id,
+                              ": taxels: the trials before it have none, and "
+                              "one folder has the one or the other; choose by "
+                              "--trial"));
+    }
+    if (!skin_folder_) {
+      TACTUS_ASSIGN_OR_RETURN(skin_folder_, SkinFolderWriter::Create(out_));
+    }
+    TACTUS_RETURN_IF_ERROR(skin_folder_->Append(trial));
+    if (trial.signals.empty()) return absl::OkStatus();
+    ++left_out_["signals"];
+    const fs::path folder = fs::path(out_) / kSignalFolder;
+    TACTUS_RETURN_IF_ERROR(MakeFolder(folder));
+    return WriteSignals(trial, folder);
+  }
+
+  static absl::Status WriteSignals(const Trial& trial, const fs::path& folder) {
+    TACTUS_ASSIGN_OR_RETURN(const std::string table, SignalsToCsv(trial));
+    return WriteFileBytes(folder / (trial.id + ".csv"), table);
+  }
+
   std::string format_;
   std::string out_;
   std::optional<TrialFileWriter> hdf5_;
+  std::optional<SkinFolderWriter> skin_folder_;
+  // CSV files of trials without taxels were written.
+  bool has_signals_ = false;
+  // Parts that an import of the CSV files does not give back, and how many
+  // trials have them.
+  std::map<std::string, int> left_out_;
 };
 
 absl::Status RunExportTrials(const ExportTrialsFlags& flags) {
@@ -106,6 +150,10 @@ absl::Status RunExportTrials(const ExportTrialsFlags& flags) {
                          absl::StrCat("a trial of ", flags.data));
   }
   TACTUS_RETURN_IF_ERROR(writer.Close());
+  if (const std::string left_out = writer.LeftOut(); !left_out.empty()) {
+    std::cerr << "trainctl: an import of the CSV files does not give back "
+              << left_out << "; npz, zarr and hdf5 hold all\n";
+  }
   if (flags.json) {
     std::cout << JsonText(Json{{"out", flags.out}, {"trials", trials}}) << "\n";
   } else {
@@ -128,8 +176,8 @@ void AddExportTrials(CLI::App& app, const SelectCommand& select) {
   command
       ->add_option(
           "--format", flags->format,
-          "npz or csv (one file a trial), zarr (one group a trial), or "
-          "hdf5 (one trial file)")
+          "npz (one file a trial), csv (a folder of recordings with its "
+          "skin.json), zarr (one group a trial), or hdf5 (one trial file)")
       ->required();
   command->add_option("--out", flags->out, "Folder to write to")->required();
   command->add_option("--trial", flags->trials,
