@@ -7,12 +7,15 @@ import pathlib
 import threading
 import time
 import unittest
+import xml.etree.ElementTree
 
 import numpy
 
 import tactus
 from support import Server, run
 from tactus._crc32c import crc32c
+from tactus._jobs import evaluation_of
+from tactus.v1 import operations_pb2
 
 
 class TrainingTest(unittest.TestCase):
@@ -61,8 +64,11 @@ class TrainingTest(unittest.TestCase):
         self.assertEqual(evaluation.accuracy.contacts + evaluation.never_felt, 8)
         self.assertEqual(sum(map(sum, evaluation.confusion)), evaluation.accuracy.contacts)
         self.assertFalse(evaluation.trained_on_data)
+        self.check_reliability(evaluation)
+        self.check_questions(evaluation)
         folds = client.evaluate("arm", protocol="k-fold", preset="nearest").wait(120)
         self.assertEqual(folds.evaluation.accuracy.contacts + folds.evaluation.never_felt, 32)
+        self.check_reliability(folds.evaluation)
 
         with self.assertRaises(tactus.Error) as caught:
             client.alias()
@@ -105,6 +111,45 @@ class TrainingTest(unittest.TestCase):
         with self.assertRaises(tactus.Error) as caught:
             client.model("copy@1")
         self.assertEqual(caught.exception.reason, "MODEL_NOT_FOUND")
+
+    def check_reliability(self, evaluation):
+        bins = evaluation.reliability
+        self.assertTrue(bins)
+        counts = numpy.array([b.accuracy.contacts for b in bins])
+        self.assertEqual(counts.sum(), evaluation.accuracy.contacts)
+        self.assertEqual(sum(b.accuracy.correct for b in bins), evaluation.accuracy.correct)
+        self.assertEqual(list(bins), sorted(bins, key=lambda b: b.low))
+        for b in bins:
+            self.assertLessEqual(b.low, b.confidence)
+            self.assertLessEqual(b.confidence, b.high)
+        # Its definition (Naeini et al. 2015).
+        gaps = numpy.array([abs(b.accuracy.value - b.confidence) for b in bins])
+        self.assertAlmostEqual((counts * gaps).sum() / counts.sum(),
+                               evaluation.calibration_error, places=9)
+
+    def check_questions(self, evaluation):
+        self.assertEqual(set(evaluation.questions), {"hardness", "mobility"})
+        for report in evaluation.questions.values():
+            self.assertEqual(report.accuracy.contacts, evaluation.accuracy.contacts)
+            self.assertEqual(list(report.anytime), list(evaluation.anytime))
+        html = xml.etree.ElementTree.fromstring(evaluation._repr_html_())
+        tables = {table.find("caption").text: [[cell.text or "" for cell in row]
+                                               for row in table.findall("tr")[1:]]
+                  for table in html.iter("table")}
+        self.assertEqual(tables["Questions"], [[name, str(report.accuracy)] for name, report
+                                               in evaluation.questions.items()])
+        self.assertEqual([row[2] for row in tables["Reliability"]],
+                         [str(b.accuracy) for b in evaluation.reliability])
+        self.assertEqual([row[1:] for row in tables["True class by predicted class"]],
+                         [[str(count) for count in row] for row in evaluation.confusion])
+
+    def test_evaluations_of_earlier_releases(self):
+        report = operations_pb2.EvaluationReport(class_names=["<a>", "b"], confusion=[3, 1, 0, 2])
+        evaluation = evaluation_of(report)
+        self.assertEqual((dict(evaluation.questions), evaluation.reliability), ({}, ()))
+        html = evaluation._repr_html_()
+        self.assertEqual(html.count("<table>"), 1)
+        self.assertIn("&lt;a&gt;", html)
 
     def await_contacts(self, get):
         end = time.monotonic() + 30

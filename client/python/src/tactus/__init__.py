@@ -24,7 +24,8 @@ from tactus._datasets import Dataset, DatasetVersion, TrialInfo, TrialNote, Uplo
 from tactus._errors import Error, FrameError, JobError
 from tactus._estimator import TouchClassifier
 from tactus._files import Recording, write_trials
-from tactus._jobs import Accuracy, Evaluation, Job, LearningPoint, Result
+from tactus._jobs import (Accuracy, Evaluation, Job, LearningPoint, QuestionReport,
+                          ReliabilityBin, Result)
 from tactus._local import Classifier
 from tactus._models import Alias, AliasChange, Gate, ModelVersion
 from tactus._options import StreamOptions
@@ -39,7 +40,8 @@ __all__ = [
     "Classifier", "Client", "Contact", "ContactLabel", "Dataset", "DatasetVersion", "DecidedValue", "Error",
     "Evaluation", "Event", "FrameError", "Gate", "Job", "JobError", "LearningPoint",
     "LightTouch", "LoggedAnswer", "LoggedContact", "ModelVersion", "Notice", "PRESETS", "Patch",
-    "Point", "QuestionAnswer", "QuestionInfo", "Recording", "Replay", "Result", "Skin", "Spot",
-    "Stream", "StreamContext", "StreamInfo", "StreamOptions", "StreamStatistics", "Touch",
-    "TouchClassifier", "TouchedObject", "Trial", "TrialInfo", "TrialNote", "Upload", "write_trials",
+    "Point", "QuestionAnswer", "QuestionInfo", "QuestionReport", "Recording", "ReliabilityBin",
+    "Replay", "Result", "Skin", "Spot", "Stream", "StreamContext", "StreamInfo",
+    "StreamOptions", "StreamStatistics", "Touch", "TouchClassifier", "TouchedObject", "Trial",
+    "TrialInfo", "TrialNote", "Upload", "write_trials",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime
 import time
 from dataclasses import dataclass
-from typing import Any, Iterator, Mapping, Optional, Tuple
+from typing import Any, Iterable, Iterator, Mapping, Optional, Tuple
 
 from tactus._connection import Api
 from tactus._errors import Error, JobError, from_message, may_retry
@@ -39,6 +39,31 @@ class Accuracy:
 
 
 @dataclass(frozen=True)
+class QuestionReport:
+    """Measured figures of the answers to one question."""
+
+    #: At the end of each contact.
+    accuracy: Accuracy
+    #: Seconds since onset, and the accuracy at each; the times are those of
+    #: ``Evaluation.anytime``. The right value of a state is the one at that time,
+    #: if the trial says when the state changed.
+    anytime: Mapping[float, Accuracy]
+
+
+@dataclass(frozen=True)
+class ReliabilityBin:
+    """Contacts whose most probable class had about the same probability."""
+
+    #: Bounds of this probability, 0 to 1.
+    low: float
+    high: float
+    #: Mean of this probability. Well calibrated is near ``accuracy.value``.
+    confidence: float
+    #: How many of the contacts were classified as their label says.
+    accuracy: Accuracy
+
+
+@dataclass(frozen=True)
 class Evaluation:
     """Measured figures of one model on one dataset version."""
 
@@ -58,6 +83,17 @@ class Evaluation:
     trained_on_data: Optional[bool]
     #: Contacts that were classified wrongly: name, label, answer; the first 20.
     wrong: Tuple[Tuple[str, str, str], ...]
+    #: Per question of the model, by its name. Empty if an earlier release
+    #: measured.
+    questions: Mapping[str, QuestionReport]
+    #: The bins of ``calibration_error`` that hold a contact, by increasing
+    #: confidence; at most 15. Empty if an earlier release measured.
+    reliability: Tuple[ReliabilityBin, ...]
+
+    def _repr_html_(self) -> str:
+        from tactus._svg import evaluation_html
+
+        return evaluation_html(self)
 
 
 @dataclass(frozen=True)
@@ -268,6 +304,10 @@ def _accuracy_of(a: Any) -> Accuracy:
     return Accuracy(a.correct, a.contacts, a.low, a.high)
 
 
+def _anytime_of(seconds: Iterable[float], anytime: Iterable[Any]) -> Mapping[float, Accuracy]:
+    return {second: _accuracy_of(a) for second, a in zip(seconds, anytime)}
+
+
 def evaluation_of(e: Any) -> Evaluation:
     classes = tuple(e.class_names)
     counts = tuple(e.confusion)
@@ -276,8 +316,12 @@ def evaluation_of(e: Any) -> Evaluation:
     return Evaluation(
         _accuracy_of(e.accuracy), e.never_felt, e.log_loss, e.calibration_error, classes,
         tuple(counts[i * size:(i + 1) * size] for i in range(size)),
-        {seconds: _accuracy_of(a) for seconds, a in zip(e.anytime_s, e.anytime)}, trained,
-        tuple((wrong.name, wrong.label, wrong.answer) for wrong in e.wrong))
+        _anytime_of(e.anytime_s, e.anytime), trained,
+        tuple((wrong.name, wrong.label, wrong.answer) for wrong in e.wrong),
+        {q.name: QuestionReport(_accuracy_of(q.accuracy), _anytime_of(e.anytime_s, q.anytime))
+         for q in e.questions},
+        tuple(ReliabilityBin(b.low, b.high, b.confidence, _accuracy_of(b.accuracy))
+              for b in e.reliability))
 
 
 def _result_of(r: Any) -> Result:

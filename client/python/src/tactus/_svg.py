@@ -1,4 +1,4 @@
-"""Answers as HTML for notebooks: inline SVG, without scripts, styles from
+"""Answers and evaluations as HTML for notebooks: inline SVG, without scripts, styles from
 elsewhere or any request. All texts are escaped."""
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy
 from tactus._answers import Answer, Contact, Event
 
 if TYPE_CHECKING:
+    from tactus._jobs import Evaluation
     from tactus._stream import Stream
 
 _CELL = 12
@@ -167,4 +168,31 @@ def stream_html(stream: "Stream") -> str:
         parts.append(timeline_svg(marks, marks[0][0], marks[-1][0]))
     parts.extend(_tag("div", escape(f"{notice.kind}: {notice.text}"))
                  for notice in stream.notices)
+    return _tag("div", "".join(parts))
+
+
+def _table(caption: str, head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    cells = [_tag("tr", "".join(_tag("th", escape(text)) for text in head))]
+    cells.extend(_tag("tr", "".join(_tag("td", escape(str(cell))) for cell in row))
+                 for row in rows)
+    return _tag("table", _tag("caption", escape(caption)) + "".join(cells))
+
+
+def evaluation_html(evaluation: "Evaluation") -> str:
+    """The accuracy, that of each question, the confusions, and how often answers
+    were right by the probability that they had."""
+    parts = [_tag("div", escape(f"accuracy {evaluation.accuracy}, log-loss "
+                                f"{evaluation.log_loss:.4f}, calibration error "
+                                f"{evaluation.calibration_error:.4f}"))]
+    if evaluation.trained_on_data:
+        parts.append(_tag("div", "The model was trained on some of these contacts."))
+    if evaluation.questions:
+        parts.append(_table("Questions", ("question", "accuracy"), (
+            (name, report.accuracy) for name, report in evaluation.questions.items())))
+    parts.append(_table("True class by predicted class", ("", *evaluation.classes), (
+        (name, *counts) for name, counts in zip(evaluation.classes, evaluation.confusion))))
+    if evaluation.reliability:
+        parts.append(_table("Reliability", ("probability", "mean", "accuracy"), (
+            (f"{b.low:.3f} to {b.high:.3f}", f"{b.confidence:.3f}", b.accuracy)
+            for b in evaluation.reliability)))
     return _tag("div", "".join(parts))
