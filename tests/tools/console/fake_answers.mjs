@@ -49,7 +49,7 @@ function jobOf(number, kind, more) {
   return { name: `operations/${number}`, kind: `KIND_${kind}`,
     state: 'STATE_SUCCEEDED', create_time_ms: String(end - 95_000),
     start_time_ms: String(end - 94_000), end_time_ms: String(end),
-    attempts: 1, requester: 'ann', progress: null, error: null, ...more };
+    attempts: 1, requester: 'ann', request_id: '', progress: null, error: null, ...more };
 }
 
 const trainSpec = (model, preset) => ({ dataset_version:
@@ -78,7 +78,8 @@ export function jobsOf({ old = false } = {}) {
       protocol: 'k-fold', train: trainSpec('', 'ridge') },
     result: { model_version: '', evaluation: evaluationOf(31),
       comparison: null, unusable: 0, duplicates: 0, preset_choice: null } }),
-    jobOf(5, 'TRAIN', { train: trainSpec('arm', 'tuned'), result: {
+    jobOf(5, 'TRAIN', { request_id: 'nightly-17',
+      train: trainSpec('arm', 'tuned'), result: {
       model_version: 'models/arm/versions/2', evaluation: null,
       comparison: null, unusable: 0, duplicates: 0, preset_choice: null } }),
   ];

@@ -334,6 +334,30 @@ const tests = {
     await page.checkAxe('promotion');
   },
 
+  async 'the request id of a job'({ page, fake }) {
+    await page.context.grantPermissions(['clipboard-read', 'clipboard-write']);
+    Object.assign(fake.answers, trainAnswers());
+    await page.page.goto(`${fake.url}#train/job/5`);
+    tally.check(await page.untilText('nightly-17', '.pairs'), 'it is there');
+    const copy = page.page.getByRole('button', { name: 'Copy request id' });
+    await copy.focus();
+    await page.page.keyboard.press('Enter');
+    tally.check(await page.untilText('The request id is copied.', '#told'),
+      'it says so');
+    tally.check(await page.page.evaluate(() =>
+      navigator.clipboard.readText()) === 'nightly-17', 'the id alone');
+    await page.examine('request-id');
+    await page.page.evaluate(() => {
+      navigator.clipboard.writeText = () => Promise.reject(new Error('no'));
+    });
+    await copy.click();
+    tally.check(await page.untilText('does not let the page copy', '#told'),
+      'a browser that does not copy');
+    await page.page.goto(`${fake.url}#train/job/8`);
+    tally.check(await page.untilText('93.0 % (186 of 200'), 'another job');
+    tally.check(await copy.count() === 0, 'without an id');
+  },
+
   async 'an evaluation of an earlier release'({ page, fake }) {
     Object.assign(fake.answers, trainAnswers({ old: true }));
     await page.page.goto(`${fake.url}#train/job/8`);

@@ -45,6 +45,10 @@ absl::Status ShowJob(TrainingClient& client, const RemoteFlags& flags,
                      const std::string& name) {
   TACTUS_ASSIGN_OR_RETURN(const v1::Operation job, client.GetOperation(name));
   PrintJob(job, flags);
+  if (!flags.json && !job.request_id().empty()) {
+    std::cout << "request id, as in the server's log: "
+              << Printable(job.request_id()) << "\n";
+  }
   return absl::OkStatus();
 }
 

@@ -126,6 +126,8 @@ export interface Operation {
   end_time_ms: string;
   attempts: number;
   requester: string;
+  // The server's log names it with the job; empty if the requester gave none.
+  request_id: string;
   train?: TrainSpec;
   evaluate?: { dataset_version: string; model_version: string;
     protocol: string; train?: TrainSpec | null };

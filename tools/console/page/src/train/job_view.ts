@@ -3,6 +3,7 @@
 import { hrefOf } from '../address';
 import { ApiError, type Api } from '../api';
 import { element, setText } from '../dom';
+import { copiedValue } from '../parts/copied_value';
 import { ask } from '../parts/dialog';
 import { LearningChart } from '../parts/learning_chart';
 import { Part } from '../parts/states';
@@ -108,6 +109,9 @@ export class JobView {
     if (job.train?.note) rows.push(['Note', job.train.note]);
     rows.push(['Requested', `${moment(job.create_time_ms)} by ` +
       job.requester]);
+    if (job.request_id) {
+      rows.push(['Request id', copiedValue('request id', job.request_id)]);
+    }
     if (Number(job.start_time_ms) > 0 && Number(job.end_time_ms) > 0) {
       rows.push(['Took', span(Number(job.end_time_ms) -
         Number(job.start_time_ms))]);
