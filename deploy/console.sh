@@ -53,18 +53,21 @@ if [[ $build == yes ]]; then
 fi
 
 server=unix:$work/tactusd.sock
-"$bin/tactusd" --listen="$server" --data-dir="$work/data" \
+"$bin/tactusd" --listen="$server" --data-dir="$work/data" --keep-contacts=256M \
   >"$work/tactusd.log" 2>&1 &
 programs=("$!")
 await_file console "$work/tactusd.sock" "$!" "$work/tactusd.log"
 
-# Trials to look at and to train on.
-{
-  "$bin/trainctl" simulate --protocol=grid --sample=120 --out="$work/trials.h5" &&
-    "$bin/trainctl" datasets create demo --server="$server" &&
-    "$bin/trainctl" datasets upload demo --data="$work/trials.h5" \
+# Trials to look at and to train on, of the robots' skin, and others by which a
+# gate compares models.
+upload() {  # NAME SEED TRIALS
+  "$bin/trainctl" simulate --protocol=grid --skin=good --seed="$2" \
+    --sample="$3" --out="$work/$1.h5" &&
+    "$bin/trainctl" datasets create "$1" --server="$server" &&
+    "$bin/trainctl" datasets upload "$1" --data="$work/$1.h5" \
       --server="$server"
-} >"$work/trainctl.log" 2>&1 || {
+}
+{ upload demo 1 200 && upload held-out 2 60; } >"$work/trainctl.log" 2>&1 || {
   cat "$work/trainctl.log" >&2
   exit 1
 }

@@ -30,6 +30,25 @@ export class ContactsPage {
     await this.see(text, selector);
   }
 
+  // The page of a job that was just requested, until it has done its work.
+  async untilJobDone() {
+    await this.see('is requested.', '#told');
+    assert.ok(await this.until(() => location.hash.includes('/job/')));
+    for (let tries = 0; tries < 12; ++tries) {
+      if (await this.until(() => /succeeded|failed|cancelled/.test(
+        document.querySelector('.state')?.innerText ?? ''))) break;
+    }
+    await this.see('succeeded', '.state');
+  }
+
+  // Those that the digits 1, 2, ... give.
+  classes() {
+    return this.page.$$eval('.classes [aria-keyshortcuts]', (tools) =>
+      tools.filter((tool) => /^\d$/.test(tool.ariaKeyShortcuts ??
+        tool.getAttribute('aria-keyshortcuts')))
+        .map((tool) => tool.lastElementChild.innerText));
+  }
+
   press(name) {
     return this.page.getByRole('button', { name, exact: true }).click();
   }

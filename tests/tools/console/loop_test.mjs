@@ -113,10 +113,7 @@ async function labelMostUncertain(page, truth) {
   assert.ok(await page.until(() => location.hash.includes('order=uncertain')));
   assert.ok(await page.untilRows((rows) => rows.length === 50 &&
     rows.every(({ percent }, i) => i === 0 || percent >= rows[i - 1].percent)));
-  const classes = await page.page.$$eval('.classes [aria-keyshortcuts]',
-    (tools) => tools.filter((tool) => /^\d$/.test(tool.ariaKeyShortcuts ??
-      tool.getAttribute('aria-keyshortcuts')))
-      .map((tool) => tool.lastElementChild.innerText));
+  const classes = await page.classes();
   let confirmed = 0;
   await page.page.locator('[data-contact] .link').first().focus();
   for (let count = 1; count <= LABELS; ++count) {
@@ -136,13 +133,6 @@ async function labelMostUncertain(page, truth) {
     }, number));
   }
   return confirmed;
-}
-
-// The page of a job, until it has done its work.
-async function untilDone(page) {
-  await page.see('is requested.', '#told');
-  assert.ok(await page.until(() => location.hash.includes('/job/')));
-  await page.seeSlowly('succeeded', '.state');
 }
 
 test('labels of uncertain contacts make a better model', async () => {
@@ -181,7 +171,7 @@ test('labels of uncertain contacts make a better model', async () => {
   await page.page.getByLabel('Preset').selectOption('paper');
   await page.page.getByLabel('LSTM networks').fill('0');
   await page.press('Train');
-  await untilDone(page);
+  await page.untilJobDone();
 
   // The new model has to be about as good on what was known before.
   await page.page.getByRole('link', { name: 'Train' }).click();
@@ -196,7 +186,7 @@ test('labels of uncertain contacts make a better model', async () => {
   await page.see('on check@1: accuracy');
   await page.press('Promote ... skin@2');
   await page.press('Promote');
-  await untilDone(page);
+  await page.untilJobDone();
   await page.page.getByRole('link', { name: 'Train' }).click();
   await page.see('skin@2', 'tr:has([aria-label="Gate ... default"])');
   await page.close();

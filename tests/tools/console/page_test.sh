@@ -8,6 +8,8 @@
 #                                   prints how long frames take to the screen
 #   page_test.sh BIN WORK robots_bench.mjs
 #                                   prints how long robots wait meanwhile
+#   page_test.sh BIN WORK walk_test.mjs
+#                                   prints how many clicks a newcomer needs
 #   RECORD=1 page_test.sh BIN WORK pictures_test.mjs
 #                                   keeps new pictures in tests/golden/console
 #
@@ -36,6 +38,8 @@ fi
 export TACTUS_BIN=$bin
 TACTUS_PICTURES=$(cd "$source_dir/../.." && pwd)/golden/console
 export TACTUS_PICTURES
+TACTUS_DEPLOY=$(cd "$source_dir/../../../deploy" && pwd)
+export TACTUS_DEPLOY
 if [[ $# -gt 2 ]]; then
   node "$3"
 else

@@ -3,7 +3,7 @@
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { join, resolve } from 'node:path';
 import { createInterface } from 'node:readline';
 import { setTimeout as sleep } from 'node:timers/promises';
 
@@ -13,8 +13,9 @@ export class Programs {
   // Those that console() started, the newest last.
   consoles = [];
 
+  // `name`: a program of the build, or the whole path of another one.
   start(name, ...flags) {
-    const program = spawn(join(process.env.TACTUS_BIN, name), flags,
+    const program = spawn(resolve(process.env.TACTUS_BIN, name), flags,
       { stdio: ['ignore', 'pipe', 'inherit'] });
     this.running.add(program);
     program.once('exit', () => this.running.delete(program));

@@ -7,7 +7,7 @@ import { tellDone } from '../parts/states';
 import { fullName, shortName } from '../parts/texts';
 import type { Alias, ModelVersion, Operation } from '../wire';
 import { isActive } from './job_list';
-import { openJob } from './questions';
+import { datasetNames, openJob } from './questions';
 
 // `version` like "arm@3".
 export async function askPromote(api: Api, version: string,
@@ -90,6 +90,7 @@ export async function askCanary(api: Api, alias: Alias, done: () => void):
 export async function askGate(api: Api, alias: Alias, done: () => void):
     Promise<void> {
   const { gate } = alias;
+  const datasets = await datasetNames(api);
   const margin = (name: string, label: string, value?: number) => ({ name,
     label, type: 'number' as const, min: '0', step: 'any',
     value: String(value ?? 0) });
@@ -99,6 +100,7 @@ export async function askGate(api: Api, alias: Alias, done: () => void):
       'trials of one dataset version.',
     fields: [
       { name: 'data', label: 'Dataset version', hint: 'Empty: no gate.',
+        list: datasets,
         value: gate ? shortName(gate.dataset_version) : '' },
       margin('accuracy_margin', 'Accuracy may be less by',
         gate?.accuracy_margin),

@@ -20,7 +20,7 @@ const PROTOCOLS: [string, string][] = [
 const presets = (first: string): [string, string][] =>
   [['', first], ...PRESETS.map((name): [string, string] => [name, name])];
 
-async function datasetNames(api: Api): Promise<string[]> {
+export async function datasetNames(api: Api): Promise<string[]> {
   const all = await listAll<Dataset>(api, 'TrainingService/ListDatasets',
     'datasets').catch(() => []);
   return all.filter((dataset) => dataset.latest_version > 0)
