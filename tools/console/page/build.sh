@@ -2,7 +2,8 @@
 # Bundles the console's page.
 #
 #   build.sh OUT WORK   writes index.html, app.js, app.css and favicon.svg to
-#                       OUT; WORK keeps the packages of the lock file
+#                       OUT; WORK keeps the packages of the lock file. Fails if
+#                       the page is larger than 150 kB compressed
 set -euo pipefail
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 mkdir -p "$1" "$2"
@@ -24,5 +25,12 @@ npx --no-install esbuild src/main.ts --bundle --minify --target=es2020 \
 npx --no-install esbuild src/app.css --bundle --minify --log-level=warning \
   --outfile="$out/app.css"
 cp "$source_dir/favicon.svg" "$out/"
+# A page that grew without notice takes seconds on a slow network.
+compressed=$(cat "$out"/app.{js,css} "$source_dir/index.html" "$out/favicon.svg" |
+  gzip -9 | wc -c)
+if [[ $compressed -gt 150000 ]]; then
+  echo "build.sh: the page has $compressed bytes compressed; at most 150000" >&2
+  exit 1
+fi
 # Last, because a build takes it as the sign that all is there.
 cp "$source_dir/index.html" "$out/"
