@@ -5,6 +5,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace tactus::internal {
@@ -13,6 +14,7 @@ namespace {
 constexpr uint64_t kPromptSliceNs = 100'000;
 constexpr uint64_t kBackgroundSliceNs = 20'000'000;
 constexpr int kLowest = 19;
+constexpr int kAttending = 10;
 
 // struct sched_attr of sched_setattr(2), first version. glibc 2.36 has neither
 // it nor the call, and the kernel's header does not go with glibc's.
@@ -42,7 +44,11 @@ bool SetThreadPriority(ThreadPriority priority) {
     return SetTimeSharing(kLowest, kBackgroundSliceNs);
   }
   if (sched_getscheduler(0) != SCHED_OTHER) return true;
-  return SetTimeSharing(getpriority(PRIO_PROCESS, 0), kPromptSliceNs);
+  const int niceness = getpriority(PRIO_PROCESS, 0);
+  if (priority == ThreadPriority::kAttendant) {
+    return setpriority(PRIO_PROCESS, 0, std::max(niceness, kAttending)) == 0;
+  }
+  return SetTimeSharing(niceness, kPromptSliceNs);
 }
 
 }  // namespace tactus::internal

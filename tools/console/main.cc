@@ -10,6 +10,7 @@
 #include "absl/synchronization/mutex.h"
 #include "core/base/arguments.h"
 #include "core/base/status_macros.h"
+#include "core/base/thread_priority.h"
 #include "core/base/version.h"
 #include "tools/common/vetted_servers.h"
 #include "tools/console/console.h"
@@ -53,6 +54,8 @@ absl::Status Serve(Flags flags, const sigset_t& stop) {
 
 int Main(int argc, char** argv) {
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
+  // A server for robots may run beside it.
+  SetThreadPriority(ThreadPriority::kAttendant);
   client::VetServers("tactus-console");
   std::signal(SIGPIPE, SIG_IGN);
   sigset_t stop;

@@ -4,6 +4,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <thread>
@@ -54,6 +55,19 @@ TEST(ThreadPriorityTest, PromptThreadsKeepTheirNicenessAndHaveShortSlices) {
   EXPECT_EQ(inherited.niceness, before.niceness);
   if (before.slice_ns == 0) GTEST_SKIP() << "this kernel has fixed time slices";
   EXPECT_EQ(inherited.slice_ns, 100'000);
+}
+
+TEST(ThreadPriorityTest, AttendantsGiveWayAndNeverRise) {
+  const int before = Mine().niceness;
+  EXPECT_EQ(InheritedAfter(ThreadPriority::kAttendant).niceness,
+            std::max(before, 10));
+  int lowered = -1;
+  std::thread([&] {
+    EXPECT_TRUE(SetThreadPriority(ThreadPriority::kBackground));
+    EXPECT_TRUE(SetThreadPriority(ThreadPriority::kAttendant));
+    lowered = Mine().niceness;
+  }).join();
+  EXPECT_EQ(lowered, 19);
 }
 
 }  // namespace

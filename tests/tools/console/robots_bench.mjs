@@ -1,11 +1,12 @@
 // How long robots wait for their answers while people watch, while the server
 // keeps contacts, and while hostile programs besiege the console. Prints a
 // Markdown table. Each way is measured by turns with a server that is left
-// alone, so that both have the same machine.
+// alone, so that both have the same machine. Watchers and hostile programs take
+// the processor time that nobody else wants, as if they ran on other machines.
 
 import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
 
-import { hostileCases, randomOf } from './hostile.mjs';
 import { Programs } from './programs.mjs';
 
 const SECONDS = Number(process.env.BENCH_SECONDS ?? 20);
@@ -42,36 +43,36 @@ async function measure(flags, beside, seed) {
   );
   const address = new URL(await programs.console(socket));
   const robots = load(programs, socket, seed);
-  const end = Date.now() + 1000 * SECONDS;
-  await beside({ programs, socket, address, end });
+  await beside({ programs, socket, address });
   const report = await robots;
   await programs.stopAll();
   return report;
 }
 
 const nothing = async () => {};
+// Starts a program that runs when no other one does.
+const startIdle = (programs, ...command) =>
+  programs.start('/usr/bin/chrt', '--idle', '0', ...command).stdout.resume();
+const trainctl = join(process.env.TACTUS_BIN, 'trainctl');
+const siege = fileURLToPath(new URL('./siege.mjs', import.meta.url));
+
 // Each looks at one robot.
 const watchers = async ({ programs, socket }) => {
   await new Promise((resolve) => setTimeout(resolve, 1000));
   for (let stream = 1; stream <= 5; ++stream) {
-    programs
-      .start(
-        'trainctl',
-        'streams',
-        'watch',
-        String(stream),
-        '--json',
-        `--server=unix:${socket}`,
-      )
-      .stdout.resume();
+    startIdle(
+      programs,
+      trainctl,
+      'streams',
+      'watch',
+      String(stream),
+      '--json',
+      `--server=unix:${socket}`,
+    );
   }
 };
-const hostile = async ({ address, end }) => {
-  while (Date.now() < end - 2000) {
-    for (const run of Object.values(hostileCases)) {
-      if (Date.now() < end - 2000) await run(address, 1, randomOf(1));
-    }
-  }
+const hostile = async ({ programs, address }) => {
+  startIdle(programs, process.execPath, siege, String(address));
 };
 const WAYS = {
   '5 watchers': [[], watchers],
@@ -86,9 +87,10 @@ console.log(
     `medians of ${TURNS} turns\n`,
 );
 console.log(
-  '| beside the robots | p50 | p99 | alone: p50 | p99 | p99, times | lost |',
+  '| beside the robots | p50 | p99 | alone: p50 | p99 | p99, times ' +
+    '| superseded | lost |',
 );
-console.log('|---|---|---|---|---|---|---|');
+console.log('|---|---|---|---|---|---|---|---|');
 for (const [name, [flags, beside]] of Object.entries(WAYS)) {
   const turns = [];
   for (let turn = 1; turn <= TURNS; ++turn) {
@@ -99,7 +101,9 @@ for (const [name, [flags, beside]] of Object.entries(WAYS)) {
   }
   const of = (side, field) => middle(turns.map((turn) => turn[side][field]));
   const ms = (value) => `${value.toFixed(2)} ms`;
-  const lost = turns.reduce((sum, turn) => sum + turn.with.lost, 0);
+  const sum = (field) =>
+    turns.reduce((total, turn) => total + turn.with[field], 0);
+  const superseded = sum('superseded');
   console.log(
     `| ${[
       name,
@@ -110,7 +114,9 @@ for (const [name, [flags, beside]] of Object.entries(WAYS)) {
       middle(
         turns.map((turn) => turn.with.p99_ms / turn.without.p99_ms),
       ).toFixed(2),
-      lost,
+      superseded,
+      // A message whose answer a newer one replaced has no answer of its own.
+      Math.max(0, sum('lost') - superseded),
     ].join(' | ')} |`,
   );
 }
