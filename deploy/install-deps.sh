@@ -176,7 +176,10 @@ readonly TESTS=(
   prometheus
   python3-empy
   python3-h5py
+  python3-ipykernel
   python3-matplotlib
+  python3-nbclient
+  python3-nbformat
   python3-pandas
   python3-prometheus-client
   python3-rosidl

@@ -5,8 +5,8 @@
 #                              builds the release preset, runs the quick tests
 #   tests/run.sh --full        the long tests and research/ too, trains the
 #                              default bundle again, classifies and trains in
-#                              Python without a server, the C interface on 64-bit
-#                              ARM under QEMU, and --install
+#                              Python without a server, executes the notebook, the
+#                              C interface on 64-bit ARM under QEMU, and --install
 #   tests/run.sh --sanitize    the quick tests under the asan and tsan presets
 #                              too (tsan: those of code that has threads)
 #   tests/run.sh --install     every way to install, from minimal roots
@@ -105,7 +105,7 @@ if [[ $full == yes ]]; then
   step "default bundle comes out again" deploy/train-default-bundle.sh --check
   step "python: build and test" env TACTUS_PYTHON_NATIVE=yes \
     client/python/tests/run.sh build/release/bin classifier_test docs_test \
-    estimator_test
+    estimator_test notebook_test
 fi
 # 77: it has said what it lacks.
 unless_lacking() { "$@" || [[ $? -eq 77 ]]; }
