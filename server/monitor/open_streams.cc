@@ -6,7 +6,8 @@
 namespace tactus::internal::server {
 
 std::shared_ptr<WatchedStream> OpenStreams::Add(v1::OpenStream description) {
-  auto stream = std::make_shared<WatchedStream>(std::move(description));
+  auto stream =
+      std::make_shared<WatchedStream>(std::move(description), followers_ > 0);
   const std::lock_guard lock(mutex_);
   streams_.push_back(stream);
   return stream;

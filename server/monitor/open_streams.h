@@ -9,6 +9,7 @@
 // Thread-safe. Add and Remove run once per stream.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -20,6 +21,10 @@ namespace tactus::internal::server {
 
 class OpenStreams {
  public:
+  // While somebody follows, new streams are watched from their first frame.
+  void AddFollower() { ++followers_; }
+  void RemoveFollower() { --followers_; }
+
   std::shared_ptr<WatchedStream> Add(v1::OpenStream description);
   // Ends it too. Watchers that have it may keep it.
   void Remove(const WatchedStream* stream);
@@ -30,6 +35,7 @@ class OpenStreams {
   std::shared_ptr<WatchedStream> Find(const std::string& id) const;
 
  private:
+  std::atomic<int> followers_ = 0;
   mutable std::mutex mutex_;
   std::vector<std::shared_ptr<WatchedStream>> streams_;
 };

@@ -16,7 +16,7 @@ StreamWatch::StreamWatch(std::shared_ptr<WatchedStream> stream,
       options_(options),
       period_ns_(kNsPerSecond /
                  std::max<int64_t>(1, options.frames_per_second)),
-      cursor_(stream_->Now()) {
+      cursor_(options.from_start ? WatchedStream::Cursor() : stream_->Now()) {
   if (options_.frames_per_second > 0) stream_->AddWatcher();
 }
 

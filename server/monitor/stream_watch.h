@@ -28,6 +28,8 @@ class StreamWatch {
     // 0: none, only counts.
     uint32_t frames_per_second = limits::kMaxWatchedRateHz;
     bool with_taxels = true;
+    // Events and frames from before the watch count as new.
+    bool from_start = false;
   };
 
   StreamWatch(std::shared_ptr<WatchedStream> stream, const Options& options);

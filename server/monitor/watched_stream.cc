@@ -22,9 +22,32 @@ uint64_t NumberOf(const std::string& id) {
 
 }  // namespace
 
-WatchedStream::WatchedStream(v1::OpenStream description)
+WatchedStream::WatchedStream(v1::OpenStream description, bool expected)
     : description_(std::move(description)),
-      number_(NumberOf(description_.stream_id())) {}
+      number_(NumberOf(description_.stream_id())),
+      watchers_(expected ? 1 : 0),
+      expected_(expected) {}
+
+void WatchedStream::End() {
+  {
+    const std::lock_guard lock(mutex_);
+    ShowEvents();
+  }
+  ended_ = true;
+}
+
+void WatchedStream::Found() {
+  if (expected_.exchange(false)) RemoveWatcher();
+}
+
+void WatchedStream::ShowEvents() {
+  if (waiting_.empty()) return;
+  events_.resize(limits::kMaxWatchedEvents);
+  for (v1::WatchedEvent& event : waiting_) {
+    events_[event_count_++ % events_.size()] = std::move(event);
+  }
+  waiting_.clear();
+}
 
 void WatchedStream::EndMessage(const Counts& counts, int64_t now_ns) {
   constexpr auto kRelaxed = std::memory_order_relaxed;
@@ -67,11 +90,7 @@ void WatchedStream::Take(const FrameView& frame, const v1::Answer& answer) {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock) return;
   asked_.store(false, std::memory_order_relaxed);
-  events_.resize(limits::kMaxWatchedEvents);
-  for (v1::WatchedEvent& event : waiting_) {
-    events_[event_count_++ % events_.size()] = std::move(event);
-  }
-  waiting_.clear();
+  ShowEvents();
   taxels_.assign(frame.taxels.begin(), frame.taxels.end());
   taken_ns_ = message_ns_;
   ++shown_count_;

@@ -48,8 +48,9 @@ class WatchedStream final : public StreamTap {
     uint64_t events = 0;
   };
 
-  // `description` without counts.
-  explicit WatchedStream(v1::OpenStream description);
+  // `description` without counts. `expected`: somebody who watches all streams
+  // has not found it yet; until then it counts as watched.
+  explicit WatchedStream(v1::OpenStream description, bool expected = false);
 
   // For the stream's thread: around each message of the robot.
   void BeginMessage(int64_t now_ns) { message_ns_ = now_ns; }
@@ -57,7 +58,7 @@ class WatchedStream final : public StreamTap {
   v1::Answer* Want(bool has_events) override;
   void Take(const FrameView& frame, const v1::Answer& answer) override;
   // The stream is over. Watchers may still read what it had.
-  void End() { ended_ = true; }
+  void End();
 
   // For any thread.
   bool ended() const { return ended_; }
@@ -69,6 +70,9 @@ class WatchedStream final : public StreamTap {
   void WriteCounts(int64_t now_ns, v1::StreamCounts* counts) const;
   void AddWatcher() { ++watchers_; }
   void RemoveWatcher() { --watchers_; }
+  // Whoever watches all streams has found it, and has called AddWatcher if
+  // frames are wanted.
+  void Found();
   // Asks for the next frame to be shown.
   void Ask() { asked_.store(true, std::memory_order_relaxed); }
   // Writes the newest frame and the events that `cursor` has not seen, and
@@ -80,6 +84,9 @@ class WatchedStream final : public StreamTap {
   Cursor Now();
 
  private:
+  // Moves what waits to where watchers see it.
+  void ShowEvents();
+
   const v1::OpenStream description_;
   const uint64_t number_;
 
@@ -99,7 +106,8 @@ class WatchedStream final : public StreamTap {
   std::atomic<double> measured_rate_hz_ = 0;
   std::atomic<int64_t> last_message_ns_ = 0;
 
-  std::atomic<int> watchers_ = 0;
+  std::atomic<int> watchers_;
+  std::atomic<bool> expected_;
   std::atomic<bool> asked_ = false;
   std::atomic<bool> ended_ = false;
 

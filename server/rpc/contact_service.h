@@ -68,7 +68,7 @@ class ContactService final : public RawContactService,
   void Collect(Families* families) const;
 
   // The streams that are open and configured.
-  const OpenStreams& streams() const { return open_streams_; }
+  OpenStreams& streams() { return open_streams_; }
 
   const StreamGate& gate() const { return gate_; }
   // Work that the streams which have ended skipped.

@@ -110,8 +110,16 @@ absl::Status WatchStream(const OpenStreams& streams,
 // Watches of all streams that are open, and of those that have just ended.
 class AllStreams {
  public:
-  AllStreams(const OpenStreams& streams, const StreamWatch::Options& options)
-      : streams_(streams), options_(options) {}
+  AllStreams(OpenStreams& streams, const StreamWatch::Options& options)
+      : streams_(streams), options_(options) {
+    if (options_.frames_per_second > 0) streams_.AddFollower();
+  }
+  ~AllStreams() {
+    if (options_.frames_per_second > 0) streams_.RemoveFollower();
+  }
+
+  AllStreams(const AllStreams&) = delete;
+  AllStreams& operator=(const AllStreams&) = delete;
 
   // Begins to watch the streams that have opened, and forgets those whose end
   // was told.
@@ -126,21 +134,27 @@ class AllStreams {
       if (watches_.size() >= limits::kMaxWatchedStreams) {
         options.frames_per_second = 0;
       }
+      // Those of the first look were there before.
+      options.from_start = looked_;
+      WatchedStream* const opened = stream.get();
       watches_.emplace_back(std::move(stream), options);
+      opened->Found();
     }
+    looked_ = true;
   }
 
   std::list<StreamWatch>& watches() { return watches_; }
 
  private:
-  const OpenStreams& streams_;
+  OpenStreams& streams_;
   const StreamWatch::Options options_;
+  bool looked_ = false;
   std::list<StreamWatch> watches_;
   std::set<const WatchedStream*> known_;
 };
 
-absl::Status WatchAll(const OpenStreams& streams,
-                      const v1::WatchAllRequest& request, ControlStream& call) {
+absl::Status WatchAll(OpenStreams& streams, const v1::WatchAllRequest& request,
+                      ControlStream& call) {
   TACTUS_ASSIGN_OR_RETURN(const auto options, ParseOptions(request));
   AllStreams all(streams, options);
   v1::WatchAllResponse response;
@@ -172,7 +186,7 @@ absl::Status WatchAll(const OpenStreams& streams,
 
 }  // namespace
 
-void AddMonitorRpcs(const OpenStreams* streams, ControlService& control) {
+void AddMonitorRpcs(OpenStreams* streams, ControlService& control) {
   const std::string service = kMonitorService;
   control.Add(service + "ListStreams", Role::kViewer,
               Unary<v1::ListStreamsRequest, v1::ListStreamsResponse>(

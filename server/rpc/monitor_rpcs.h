@@ -13,6 +13,6 @@
 
 namespace tactus::internal::server {
 
-void AddMonitorRpcs(const OpenStreams* streams, ControlService& control);
+void AddMonitorRpcs(OpenStreams* streams, ControlService& control);
 
 }  // namespace tactus::internal::server

@@ -102,7 +102,7 @@ static void ContactLogRpcsExample(ContactLog* log, const ModelSource& models,
 #include "server/rpc/contact_log_rpcs.h.inc"
 }
 
-static void MonitorRpcsExample(const OpenStreams& open_streams,
+static void MonitorRpcsExample(OpenStreams& open_streams,
                                ControlService& control) {
 #include "server/rpc/monitor_rpcs.h.inc"
 }

@@ -1,5 +1,6 @@
 #include "server/monitor/watched_stream.h"
 
+#include <atomic>
 #include <cstring>
 #include <thread>
 
@@ -206,6 +207,55 @@ TEST(StreamWatchTest, DescribesThenShowsThenEnds) {
   EXPECT_TRUE(update.ended());
   EXPECT_EQ(update.events_size(), 1);
   EXPECT_TRUE(watch.ended());
+}
+
+// Between its first frame and the look of whoever watches all streams, a stream
+// without limit has had whole contacts.
+TEST(StreamWatchTest, AStreamThatIsFollowedIsSeenFromItsFirstFrame) {
+  OpenStreams streams;
+  streams.AddFollower();
+  const auto stream = streams.Add(Description("1"));
+  Show(*stream, 1, 2);
+  {
+    StreamWatch watch(stream, {.from_start = true});
+    stream->Found();
+    stream->Found();
+    Show(*stream, 2, 1);
+    v1::StreamUpdate update;
+    ASSERT_TRUE(watch.Update(100 * kSecond, &update));
+    EXPECT_EQ(update.events_size(), 3);
+    EXPECT_EQ(update.frame().answer().sequence(), 2u);
+  }
+  EXPECT_EQ(stream->Want(true), nullptr);
+  streams.RemoveFollower();
+  EXPECT_EQ(streams.Add(Description("2"))->Want(true), nullptr);
+}
+
+// A watcher that reads just when the last frame comes does not keep its events
+// from the others.
+TEST(StreamWatchTest, EventsOfTheLastFrameAreSeenThoughTheLockWasHeld) {
+  OpenStreams streams;
+  const auto stream = streams.Add(Description("1"));
+  StreamWatch watch(stream, {});
+  std::atomic<bool> stop = false;
+  std::thread other([&] {
+    while (!stop) stream->Now();
+  });
+  uint64_t sequence = 0;
+  for (int i = 0; i < 20'000; ++i) Show(*stream, ++sequence, 1);
+  stop = true;
+  other.join();
+  streams.Remove(stream.get());
+  uint64_t last = 0;
+  v1::StreamUpdate update;
+  for (int64_t now = kSecond; !watch.ended(); now += kSecond) {
+    update.Clear();
+    ASSERT_TRUE(watch.Update(now, &update));
+    for (const v1::WatchedEvent& event : update.events()) {
+      last = event.sequence();
+    }
+  }
+  EXPECT_EQ(last, sequence);
 }
 
 TEST(StreamWatchTest, WithoutFramesOnlyCounts) {
