@@ -52,9 +52,8 @@ Eigen::MatrixXd Summarise(const std::vector<SequenceView>& trials, int points) {
       }
     }
   }
-  Eigen::ArrayXd values(trials.size());
   for (Eigen::Index r = 0; r < summary.rows(); ++r) {
-    values = summary.row(r).transpose();
+    Eigen::ArrayXd values = summary.row(r).transpose();
     values -= values.mean();
     const double deviation = std::sqrt(values.square().mean());
     if (deviation > 0) values /= deviation;
