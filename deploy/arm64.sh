@@ -56,6 +56,10 @@ if [[ ! -e $root/complete ]]; then
     echo "arm64.sh: skipped: no root of Debian for arm64 can be made here"
     exit 77
   fi
+  # Only their scripts, which an extracted root does not run, would link them.
+  for library in blas/libblas.so.3 lapack/liblapack.so.3; do
+    ln -s "$library" "$root/usr/lib/aarch64-linux-gnu/"
+  done
   touch "$root/complete"
 fi
 
