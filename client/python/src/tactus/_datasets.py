@@ -206,7 +206,7 @@ class Dataset:
 
 def version_of(v: Any) -> DatasetVersion:
     return DatasetVersion(v.name, v.sha256, time_of(v.create_time_ms), v.trials, v.bytes,
-                          dict(v.labels), v.added, v.removed, v.relabelled, v.duplicates,
+                          dict(sorted(v.labels.items())), v.added, v.removed, v.relabelled, v.duplicates,
                           v.renamed, v.requester, v.reason)
 
 
