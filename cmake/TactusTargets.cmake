@@ -66,6 +66,10 @@ function(tactus_test name)
   endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
+    # An emulator takes ten times as long.
+    if(CMAKE_CROSSCOMPILING)
+      set(ARG_TIMEOUT 3000)
+    endif()
   endif()
   set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT}
     ENVIRONMENT "TACTUS_SOURCE_DIR=${PROJECT_SOURCE_DIR}")

@@ -85,7 +85,7 @@ printf 'arm64: %s\n' "$sets"
 [[ $sets == NEON* ]] || die "the kernels do not run on NEON"
 
 say "tests under QEMU"
-ctest --test-dir "$build" --output-on-failure --timeout 1200 --parallel 2 \
+ctest --test-dir "$build" --output-on-failure --parallel 2 \
   --label-exclude '^long$'
 
 say "answers here and there"
