@@ -1,6 +1,6 @@
-// A server said of itself what had been true before: a promotion waited for a
-// version that it served, and its health named versions that it could load
-// again.
+// A server told others an older state than its own. So a promotion waited for a
+// version that was served already. And health named a version that had been
+// loaded since.
 #include <filesystem>
 #include <memory>
 #include <string>

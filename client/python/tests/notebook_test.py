@@ -25,6 +25,8 @@ except ImportError:
     _native = None
 
 PATH = ROOT / "examples/notebook/touch.ipynb"
+# A folder at the root of a machine, in neither an address nor a closing tag.
+ABSOLUTE_PATH = r"(?<![\w<:/.])/\w+/"
 ACCURACY = r"^accuracy (0\.\d{3}|1\.000), of each day: "
 RECORD = os.environ.get("TACTUS_RECORD_NOTEBOOK") == "yes"
 
@@ -92,11 +94,11 @@ class FileTest(unittest.TestCase):
         self.assertEqual(notebook["metadata"], {
             "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
             "language_info": {"name": "python"}})
-        for place in ("/tmp/", "/home/", "/root/", "/usr/", "/work/", str(ROOT)):
-            for cell in code_cells(notebook):
-                outputs = [{**output, "data": {kind: value for kind, value in output.get(
-                    "data", {}).items() if kind != "image/png"}} for output in cell["outputs"]]
-                self.assertNotIn(place, json.dumps(outputs))
+        for cell in code_cells(notebook):
+            outputs = [{**output, "data": {kind: value for kind, value in output.get(
+                "data", {}).items() if kind != "image/png"}} for output in cell["outputs"]]
+            lines = json.dumps(outputs).replace("\\n", "\n")
+            self.assertNotRegex(lines, ABSOLUTE_PATH, cell["id"])
         for cell in notebook["cells"]:
             self.assertEqual(cell["metadata"], {}, cell["id"])
 
