@@ -72,8 +72,10 @@ absl::Status ByteStream::Send() {
   // Frames are numbered from 1 and there is one a message.
   const size_t length =
       options_.untouched ? script_->untouched_messages() : script_->size();
-  const grpc::ByteBuffer message = script_->Message(sent_ % length, sent_ + 1);
-  if (!rpc_->Write(message)) return End();
+  std::string message;
+  script_->AppendMessage(sent_ % length, sent_ + 1, &message);
+  const grpc::Slice bytes(message);
+  if (!rpc_->Write(grpc::ByteBuffer(&bytes, 1))) return End();
   ++sent_;
   return absl::OkStatus();
 }

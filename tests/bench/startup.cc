@@ -21,7 +21,7 @@
 #include "tests/bench/benchmarks.h"
 #include "tests/bench/child_server.h"
 #include "tools/common/percentile.h"
-#include "tools/load/event_loop.h"
+#include "tools/load/connection_loop.h"
 #include "tools/load/load_stream.h"
 
 namespace tactus::internal::client {
@@ -122,14 +122,17 @@ class IdleStreams {
     return absl::OkStatus();
   }
 
-  // Opens `count` more, each on the next of `channels`; an error unless the
+  // Opens `count` more, which share so many connections; an error unless the
   // server accepts all.
-  absl::Status Open(
-      int count, const std::vector<std::shared_ptr<grpc::Channel>>& channels) {
+  absl::Status Open(int count, const ServerPlace& server, int connections) {
+    std::vector<std::shared_ptr<GrpcConnection>> shared;
+    for (int i = 0; i < connections; ++i) {
+      shared.push_back(std::make_shared<GrpcConnection>(&loop_, server));
+    }
     for (int i = 0; i < count; ++i) {
       streams_.push_back(std::make_unique<LoadStream>(
           &shared_, LoadStream::Options{.robot = Count()}));
-      streams_.back()->Open(channels[i % channels.size()], loop_.queue());
+      streams_.back()->Open(shared[i % connections]);
     }
     loop_.HandleUntil([this] { return shared_.settled == Count(); }, kTimeout);
     for (const auto& stream : streams_) {
@@ -144,8 +147,9 @@ class IdleStreams {
   int Count() const { return static_cast<int>(streams_.size()); }
 
   LoadShared shared_;
+  // Outlives the streams' connections.
+  ConnectionLoop loop_;
   std::vector<std::unique_ptr<LoadStream>> streams_;
-  EventLoop loop_;
 };
 
 // KiB a stream.
@@ -162,19 +166,13 @@ absl::StatusOr<Memory> StreamMemory(const FrameScript& script, int count,
       ChildServer::Start("tactusd",
                          {"--listen=127.0.0.1:0", "--log-level=error",
                           "--max-streams=100000", "--max-streams-per-peer=0"}));
-  const auto channels = [&](int wanted) {
-    std::vector<std::shared_ptr<grpc::Channel>> made;
-    for (int i = 0; i < wanted; ++i) {
-      made.push_back(
-          MakeChannel(server->address(), {.share_connection = false}));
-    }
-    return made;
-  };
+  TACTUS_ASSIGN_OR_RETURN(const ServerPlace place,
+                          ServerPlace::Find(server->address(), std::nullopt));
   IdleStreams streams(&script);
   // What the first streams bring with them is the server's own.
-  TACTUS_RETURN_IF_ERROR(streams.Open(10, channels(1)));
+  TACTUS_RETURN_IF_ERROR(streams.Open(10, place, 1));
   const double before = server->ResidentKib();
-  TACTUS_RETURN_IF_ERROR(streams.Open(count, channels(connections)));
+  TACTUS_RETURN_IF_ERROR(streams.Open(count, place, connections));
   Memory memory;
   memory.configured = (server->ResidentKib() - before) / count;
   TACTUS_RETURN_IF_ERROR(streams.PlayOneFrame());

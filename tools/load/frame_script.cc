@@ -26,11 +26,11 @@ constexpr double kLeastTouched = 0.02;
 // The tag and length of `frames`, then two fields of a number each.
 constexpr size_t kMaxHeaderBytes = 1 + 5 + 2 * (1 + 10);
 
-grpc::Slice BodyOf(const FrameEncoder& encoder) {
+std::string BodyOf(const FrameEncoder& encoder) {
   v1::FrameBatch batch = encoder.request().frames();
   batch.clear_first_sequence();
   batch.clear_first_capture_time_ns();
-  return grpc::Slice(batch.SerializeAsString());
+  return batch.SerializeAsString();
 }
 
 // The frames of one simulated trial: some untouched, then a contact, which ends
@@ -157,9 +157,9 @@ absl::Status FrameScript::Encode(const SkinInfo& info, const Options& options,
   return absl::OkStatus();
 }
 
-grpc::ByteBuffer FrameScript::Message(size_t position,
-                                      uint64_t first_sequence) const {
-  const grpc::Slice& body = bodies_[position % bodies_.size()];
+void FrameScript::AppendMessage(size_t position, uint64_t first_sequence,
+                                std::string* out) const {
+  const std::string& body = bodies_[position % bodies_.size()];
   uint8_t numbers[2 * (1 + 10)];
   uint8_t* end = WireFormatLite::WriteUInt64ToArray(
       v1::FrameBatch::kFirstSequenceFieldNumber, first_sequence, numbers);
@@ -169,14 +169,14 @@ grpc::ByteBuffer FrameScript::Message(size_t position,
   const size_t size = end - numbers;
 
   uint8_t header[kMaxHeaderBytes];
-  uint8_t* out = WireFormatLite::WriteTagToArray(
+  uint8_t* header_end = WireFormatLite::WriteTagToArray(
       v1::ClassifyContactRequest::kFramesFieldNumber,
       WireFormatLite::WIRETYPE_LENGTH_DELIMITED, header);
-  out = CodedOutputStream::WriteVarint32ToArray(
-      static_cast<uint32_t>(size + body.size()), out);
-  out = std::copy(numbers, end, out);
-  const grpc::Slice slices[] = {grpc::Slice(header, out - header), body};
-  return grpc::ByteBuffer(slices, 2);
+  header_end = CodedOutputStream::WriteVarint32ToArray(
+      static_cast<uint32_t>(size + body.size()), header_end);
+  header_end = std::copy(numbers, end, header_end);
+  out->append(header, header_end);
+  out->append(body);
 }
 
 }  // namespace tactus::internal::client

@@ -5,7 +5,7 @@
 // untouched skin before each.
 //
 //   TACTUS_ASSIGN_OR_RETURN(auto script, FrameScript::Create({.seed = 1}));
-//   stream.Write(script.Message(position, first_sequence));
+//   script.AppendMessage(position, first_sequence, &bytes);
 //
 // Taxels are encoded once and shared; only the numbers are written for each
 // message, so that a generator costs little beside the server it measures.
@@ -14,12 +14,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/stream/skin_frame.h"
-#include "grpcpp/support/byte_buffer.h"
-#include "grpcpp/support/slice.h"
 #include "tactus/v1/contact.pb.h"
 
 namespace tactus::internal::client {
@@ -53,9 +52,10 @@ class FrameScript {
   double touched_fraction() const { return touched_fraction_; }
   // Messages until it begins again.
   size_t size() const { return bodies_.size(); }
-  // Message `position` modulo size(), numbered from `first_sequence` and
-  // captured at the script's rate.
-  grpc::ByteBuffer Message(size_t position, uint64_t first_sequence) const;
+  // Appends message `position` modulo size(), numbered from `first_sequence`
+  // and captured at the script's rate: a ClassifyContactRequest.
+  void AppendMessage(size_t position, uint64_t first_sequence,
+                     std::string* out) const;
 
  private:
   FrameScript() = default;
@@ -69,7 +69,7 @@ class FrameScript {
   size_t untouched_messages_ = 0;
   double touched_fraction_ = 0;
   // FrameBatches without first_sequence and first_capture_time_ns.
-  std::vector<grpc::Slice> bodies_;
+  std::vector<std::string> bodies_;
 };
 
 }  // namespace tactus::internal::client

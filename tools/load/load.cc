@@ -19,7 +19,7 @@ absl::StatusOr<LoadReport> RunLoad(const LoadOptions& options,
                                    const FrameScript& script) {
   TACTUS_RETURN_IF_ERROR(LoadRun::Check(options));
   const auto run = std::make_unique<LoadRun>(options, script);
-  run->Open();
+  TACTUS_RETURN_IF_ERROR(run->Open());
   return ReportOf(run->Send(LoadClockNs() + LoadRun::kLeadNs));
 }
 

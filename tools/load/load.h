@@ -9,7 +9,7 @@
 //                           RunLoad({.servers = {"127.0.0.1:50051"}}));
 //   report.lost();
 //
-// One thread sends and takes the answers, every tenth of a millisecond; what
+// One thread sends and takes the answers, every half millisecond; what
 // waits for that counts as delay. Thread-safe: a free function without state.
 #pragma once
 
@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/stream/channel.h"
 #include "tactus/v1/contact.pb.h"
 #include "tools/load/frame_script.h"
 
@@ -28,7 +27,8 @@ namespace tactus::internal::client {
 struct LoadOptions {
   // Robots are spread over them.
   std::vector<std::string> servers = {};
-  ChannelOptions channel = {};
+  // As in client/stream/channel.h.
+  std::optional<std::string> tls_roots = {};
   int robots = 200;
   double rate_hz = 100;
   double seconds = 10;
@@ -89,7 +89,7 @@ struct LoadReport {
   double p99_ms = 0;
   double p999_ms = 0;
   double max_ms = 0;
-  // From when it was due until it was handed to gRPC: the generator's own.
+  // From when it was due until it was on its way: the generator's own.
   double send_p99_ms = 0;
   // From when a stream was due to end to its last answer, which comes after all
   // others: how far behind the server was. 0 if every frame is answered.

@@ -142,7 +142,7 @@ absl::Status ServeLoadParts(LoadOptions options) {
     }
     TACTUS_RETURN_IF_ERROR(LoadRun::Check(options));
     const auto run = std::make_unique<LoadRun>(options, script);
-    run->Open();
+    TACTUS_RETURN_IF_ERROR(run->Open());
     std::cout << kOpened << std::endl;
     int64_t start_ns = 0;
     if (!std::getline(std::cin, line)) break;

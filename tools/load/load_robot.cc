@@ -8,11 +8,10 @@
 namespace tactus::internal::client {
 
 LoadRobot::LoadRobot(LoadShared* shared, const Options& options,
-                     Connect connect, grpc::CompletionQueue* queue)
+                     Connect connect)
     : shared_(shared),
       options_(options),
       connect_(std::move(connect)),
-      queue_(queue),
       tally_(options.reads_slowly ? &shared->slow_tally : &shared->tally),
       random_(Random::ForStream(options.seed, options.number)) {}
 
@@ -36,7 +35,7 @@ void LoadRobot::OpenStream(uint64_t first_message) {
       shared_, LoadStream::Options{.robot = options_.number,
                                    .first_message = first_message,
                                    .reads_slowly = options_.reads_slowly});
-  stream_->Open(connect_(), queue_);
+  stream_->Open(connect_());
 }
 
 void LoadRobot::Offer(uint64_t message, int64_t due_ns) {

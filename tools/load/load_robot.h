@@ -3,15 +3,14 @@
 // LoadRobot: a robot of a load test, which comes and goes: its streams, one
 // after another.
 //
-//   LoadRobot robot(&shared, {.number = 3}, connect, loop.queue());
+//   LoadRobot robot(&shared, {.number = 3}, connect);
 //   robot.Open();                  // then serve until shared.settled
 //   robot.Offer(message, due_ns);  // each time a message is due
 //   robot.Close(due_ns);           // then serve until shared.ended
 //
 // Messages are numbered over all of its streams. When a stream's time is over
 // it is closed, and the next one takes the message that is due: what opening
-// costs is part of that message's delay. Must live until its EventLoop is gone.
-// Not thread-safe.
+// costs is part of that message's delay. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +19,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "grpcpp/channel.h"
-#include "grpcpp/completion_queue.h"
+#include "tools/load/grpc_connection.h"
 #include "tools/load/load_stream.h"
 
 namespace tactus::internal::client {
@@ -38,11 +36,10 @@ class LoadRobot {
     // Fixes when streams end.
     uint64_t seed = 1;
   };
-  // The channel of a new stream.
-  using Connect = std::function<std::shared_ptr<grpc::Channel>()>;
+  // The connection of a new stream.
+  using Connect = std::function<std::shared_ptr<GrpcConnection>()>;
 
-  LoadRobot(LoadShared* shared, const Options& options, Connect connect,
-            grpc::CompletionQueue* queue);
+  LoadRobot(LoadShared* shared, const Options& options, Connect connect);
 
   LoadRobot(const LoadRobot&) = delete;
   LoadRobot& operator=(const LoadRobot&) = delete;
@@ -80,7 +77,6 @@ class LoadRobot {
   LoadShared* const shared_;
   const Options options_;
   const Connect connect_;
-  grpc::CompletionQueue* const queue_;
   LoadTally* const tally_;
   Random random_;
   // The message that begins the next stream.

@@ -11,6 +11,7 @@
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/random.h"
+#include "core/base/status_macros.h"
 #include "core/base/thread_priority.h"
 
 namespace tactus::internal::client {
@@ -22,7 +23,7 @@ using std::chrono::steady_clock;
 
 // Messages due within this time leave together, so that waking up costs
 // little; it counts as delay.
-constexpr int64_t kTickNs = 100'000;
+constexpr int64_t kTickNs = 500'000;
 // A slow reader takes one answer in this time.
 constexpr int64_t kSlowReadNs = 1'000'000'000;
 constexpr seconds kOpenTimeout(30);
@@ -77,18 +78,44 @@ LoadRun::LoadRun(const LoadOptions& options, const FrameScript& script)
       static_cast<uint64_t>(std::max(1.0, options.seconds * 1e9 / period_ns));
 }
 
-void LoadRun::Open() {
+absl::Status LoadRun::Open() {
+  TACTUS_RETURN_IF_ERROR(FindServers());
+  OpenRobots();
+  loop_.HandleUntil([this] { return shared_.settled == shared_.opened; },
+                    kOpenTimeout);
+  for (const auto& robot : robots_) {
+    if (!robot->accepted()) continue;
+    senders_.push_back(robot.get());
+    if (robot->number() < options_.slow_readers) slow_.push_back(robot.get());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status LoadRun::FindServers() {
+  for (const std::string& address : options_.servers) {
+    TACTUS_ASSIGN_OR_RETURN(places_.emplace_back(),
+                            ServerPlace::Find(address, options_.tls_roots));
+  }
+  return absl::OkStatus();
+}
+
+void LoadRun::OpenRobots() {
   const std::vector<uint64_t> ends = DrawEnds();
-  const int servers = static_cast<int>(options_.servers.size());
-  MakeChannels((options_.robots - options_.part + options_.parts - 1) /
-               options_.parts);
+  const int servers = static_cast<int>(places_.size());
+  const int robots =
+      (options_.robots - options_.part + options_.parts - 1) / options_.parts;
+  const int share =
+      (options_.connections + options_.parts - 1) / options_.parts;
+  if (options_.connections > 0) {
+    connections_.resize(std::min(std::max(share, servers), robots));
+  }
   const double stream_messages =
       options_.arrivals_seconds * 1e9 / static_cast<double>(period_ns_);
   for (int i = options_.part; i < options_.robots; i += options_.parts) {
     const size_t place = robots_.size();
     const auto connect = [this, i, place, servers] {
-      return channels_.empty() ? NewChannel(i % servers)
-                               : channels_[place % channels_.size()];
+      return connections_.empty() ? NewConnection(i % servers)
+                                  : Shared(place % connections_.size());
     };
     robots_.push_back(std::make_unique<LoadRobot>(
         &shared_,
@@ -97,33 +124,22 @@ void LoadRun::Open() {
                            .stream_messages = stream_messages,
                            .reads_slowly = i < options_.slow_readers,
                            .seed = options_.seed},
-        connect, loop_.queue()));
+        connect));
     robots_.back()->Open();
   }
-  loop_.HandleUntil([this] { return shared_.settled == shared_.opened; },
-                    kOpenTimeout);
-  for (const auto& robot : robots_) {
-    if (!robot->accepted()) continue;
-    senders_.push_back(robot.get());
-    if (robot->number() < options_.slow_readers) slow_.push_back(robot.get());
-  }
 }
 
-void LoadRun::MakeChannels(int robots) {
-  if (options_.connections == 0) return;
-  const int servers = static_cast<int>(options_.servers.size());
-  const int share =
-      (options_.connections + options_.parts - 1) / options_.parts;
-  const int channels = std::min(std::max(share, servers), robots);
-  for (int i = 0; i < channels; ++i) {
-    channels_.push_back(NewChannel((options_.part + i) % servers));
+std::shared_ptr<GrpcConnection> LoadRun::Shared(size_t place) {
+  std::shared_ptr<GrpcConnection>& shared = connections_[place];
+  if (shared == nullptr || !shared->takes_calls()) {
+    shared = NewConnection((options_.part + static_cast<int>(place)) %
+                           static_cast<int>(places_.size()));
   }
+  return shared;
 }
 
-std::shared_ptr<grpc::Channel> LoadRun::NewChannel(int server) const {
-  ChannelOptions own = options_.channel;
-  own.share_connection = false;
-  return MakeChannel(options_.servers[server], own);
+std::shared_ptr<GrpcConnection> LoadRun::NewConnection(int server) {
+  return std::make_shared<GrpcConnection>(&loop_, places_[server]);
 }
 
 const LoadTally& LoadRun::Send(int64_t start_ns) {
@@ -181,6 +197,7 @@ std::vector<uint64_t> LoadRun::DrawEnds() const {
 
 void LoadRun::WaitUntilDue(int64_t due_ns) {
   if (due_ns <= tick_ns_) return;
+  loop_.Flush();
   const int64_t now_ns = LoadClockNs();
   const int64_t ticks =
       (std::max(due_ns, now_ns) - tick_ns_ + kTickNs - 1) / kTickNs;
@@ -188,9 +205,7 @@ void LoadRun::WaitUntilDue(int64_t due_ns) {
   std::this_thread::sleep_until(
       steady_clock::time_point(nanoseconds(tick_ns_)));
   ReadSlowly(tick_ns_);
-  const size_t connections =
-      channels_.empty() ? robots_.size() : channels_.size();
-  loop_.HandleReady(static_cast<int>(connections));
+  loop_.HandleReady();
 }
 
 void LoadRun::ReadSlowly(int64_t now_ns) {

@@ -3,7 +3,7 @@
 // LoadRun: one load test, or the part of it that this process simulates.
 //
 //   LoadRun run(options, script);
-//   run.Open();
+//   TACTUS_RETURN_IF_ERROR(run.Open());
 //   const LoadTally& tally = run.Send(LoadClockNs() + LoadRun::kLeadNs);
 //
 // Processes that share a test open their streams first; then all begin at the
@@ -14,12 +14,14 @@
 #include <memory>
 #include <vector>
 
-#include "grpcpp/channel.h"
-#include "tools/load/event_loop.h"
+#include "tools/load/connection_loop.h"
+#include "tools/load/grpc_connection.h"
 #include "tools/load/load.h"
 #include "tools/load/load_robot.h"
 #include "tools/load/load_stream.h"
 #include "tools/load/load_tally.h"
+#include "tools/load/schedule.h"
+#include "tools/load/server_place.h"
 
 namespace tactus::internal::client {
 
@@ -35,14 +37,18 @@ class LoadRun {
   LoadRun(const LoadOptions& options, const FrameScript& script);
 
   // Opens a stream for each robot and waits until the server has accepted or
-  // refused it.
-  void Open();
+  // refused it. An error if an address is wrong or unknown.
+  absl::Status Open();
   // Sends from `start_ns` on, waits for answers and ends all streams.
   const LoadTally& Send(int64_t start_ns);
 
  private:
-  void MakeChannels(int robots);
-  std::shared_ptr<grpc::Channel> NewChannel(int server) const;
+  // What its streams share, one after another of `share`; a new one if the old
+  // one is lost.
+  std::shared_ptr<GrpcConnection> Shared(size_t place);
+  std::shared_ptr<GrpcConnection> NewConnection(int server);
+  absl::Status FindServers();
+  void OpenRobots();
   void SendAll(int64_t start_ns);
   // How many messages each robot of all processes sends.
   std::vector<uint64_t> DrawEnds() const;
@@ -56,8 +62,11 @@ class LoadRun {
   LoadShared shared_;
   int64_t period_ns_ = 0;
   uint64_t messages_ = 0;
+  // Outlives all connections.
+  ConnectionLoop loop_;
+  std::vector<ServerPlace> places_;
   // What robots share; empty if each stream has its own connection.
-  std::vector<std::shared_ptr<grpc::Channel>> channels_;
+  std::vector<std::shared_ptr<GrpcConnection>> connections_;
   // How far sending has come.
   int64_t tick_ns_ = 0;
   std::unique_ptr<Schedule> schedule_;
@@ -68,7 +77,6 @@ class LoadRun {
   // Those of them that read slowly, and when they do next.
   std::vector<LoadRobot*> slow_;
   int64_t next_slow_read_ns_ = 0;
-  EventLoop loop_;
 };
 
 }  // namespace tactus::internal::client

@@ -5,10 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "client/stream/status.h"
-#include "grpcpp/impl/codegen/proto_utils.h"
-#include "grpcpp/support/proto_buffer_reader.h"
-
 namespace tactus::internal::client {
 namespace {
 
@@ -35,86 +31,51 @@ LoadStream::LoadStream(LoadShared* shared, const Options& options)
       options_(options),
       tally_(options.reads_slowly ? &shared->slow_tally : &shared->tally),
       script_offset_(OffsetOf(options.robot, shared->script->size()) +
-                     options.first_message) {}
+                     options.first_message),
+      call_(this, kMethod) {}
 
-void LoadStream::Open(const std::shared_ptr<grpc::Channel>& channel,
-                      grpc::CompletionQueue* queue) {
-  call_ = grpc::GenericStub(channel).PrepareCall(&context_, kMethod, queue);
+void LoadStream::Open(std::shared_ptr<GrpcConnection> connection) {
+  connection_ = std::move(connection);
   ++shared_->opened;
-  ++in_flight_;
-  call_->StartCall(started_.tag());
-}
-
-void LoadStream::OnStarted(bool ok) {
-  --in_flight_;
-  // If the call failed, the read reports it.
-  StartRead();
-  if (!ok) return;
-  v1::ClassifyContactRequest request;
-  *request.mutable_config() = shared_->script->config();
-  request.mutable_config()->set_cadence(shared_->cadence);
-  const grpc::Slice bytes(request.SerializeAsString());
-  Write(grpc::ByteBuffer(&bytes, 1));
-}
-
-void LoadStream::Write(const grpc::ByteBuffer& message) {
-  ++in_flight_;
-  call_->Write(message, write_done_.tag());
-}
-
-void LoadStream::StartRead() {
-  ++in_flight_;
-  call_->Read(&read_, read_done_.tag());
-}
-
-void LoadStream::ReadNext() {
-  if (std::exchange(read_waits_, false)) StartRead();
-}
-
-void LoadStream::ReadAll() {
-  hurries_ = true;
-  ReadNext();
+  // A slow reader, too, has to know whether it was accepted.
+  if (reads_slowly()) {
+    call_.ReadOne();
+  } else {
+    call_.ReadAll();
+  }
+  connection_->Start(&call_);
 }
 
 void LoadStream::Offer() {
   ++offered_;
-  if (pending_++ == 0) WriteNext();
+  call_.Resume();
 }
 
-void LoadStream::WriteNext() {
-  const uint64_t message = written_++;
+GrpcCall::Next LoadStream::TakeMessage(std::string* out) {
+  if (!std::exchange(configured_, true)) {
+    v1::ClassifyContactRequest request;
+    *request.mutable_config() = shared_->script->config();
+    request.mutable_config()->set_cadence(shared_->cadence);
+    out->append(request.SerializeAsString());
+    return GrpcCall::Next::kMessage;
+  }
+  if (sent_ == offered_) {
+    return closing_ ? GrpcCall::Next::kNoMore : GrpcCall::Next::kLater;
+  }
+  const uint64_t message = sent_++;
   const uint64_t frames = message * shared_->frames_per_message;
   const int64_t due_ns = DueNs(message);
   if (due_ns >= shared_->measure_from_ns) {
     tally_->send_delay.Add(LoadClockNs() - due_ns);
   }
-  Write(shared_->script->Message(script_offset_ + message, frames + 1));
+  shared_->script->AppendMessage(script_offset_ + message, frames + 1, out);
+  return GrpcCall::Next::kMessage;
 }
 
-void LoadStream::OnWritten(bool ok) {
-  --in_flight_;
-  // After a failure or the stream's end nothing will ever be written again. A
-  // write may outlast the end, and the queue is shut down by then.
-  if (!ok || read_all_) return;
-  if (--pending_ > 0) {
-    WriteNext();
-  } else {
-    HalfCloseIfWritten();
-  }
-}
-
-void LoadStream::OnRead(bool ok) {
-  --in_flight_;
+void LoadStream::OnMessage(absl::string_view message) {
   const int64_t now_ns = LoadClockNs();
-  if (!ok) {
-    read_all_ = true;
-    Settle();
-    ++in_flight_;
-    call_->Finish(&grpc_status_, finished_.tag());
-    return;
-  }
-  grpc::ProtoBufferReader bytes(&read_);
-  if (!response_.ParseFromZeroCopyStream(&bytes)) {
+  if (!response_.ParseFromArray(message.data(),
+                                static_cast<int>(message.size()))) {
     Cancel();
   } else if (response_.has_answer() && accepted_) {
     OnAnswer(response_.answer(), now_ns);
@@ -125,17 +86,12 @@ void LoadStream::OnRead(bool ok) {
     // No Tactus server begins like that.
     Cancel();
   }
-  if (accepted_ && reads_slowly() && !hurries_) {
-    read_waits_ = true;
-  } else {
-    StartRead();
-  }
 }
 
 void LoadStream::OnAnswer(const v1::Answer& answer, int64_t now_ns) {
   const uint64_t frames = shared_->frames_per_message;
   const uint64_t sequence = answer.sequence();
-  if (sequence > written_ * frames) {
+  if (sequence > sent_ * frames) {
     // No Tactus server answers frames that were never sent.
     Cancel();
     return;
@@ -182,19 +138,13 @@ void LoadStream::Close(int64_t due_ns) {
   closing_ = true;
   close_due_ns_ = due_ns;
   ReadAll();
-  HalfCloseIfWritten();
+  call_.Resume();
 }
 
-void LoadStream::HalfCloseIfWritten() {
-  if (!closing_ || pending_ > 0) return;
-  ++in_flight_;
-  call_->WritesDone(half_closed_.tag());
-}
-
-void LoadStream::OnFinished(bool) {
-  --in_flight_;
+void LoadStream::OnEnded(const absl::Status& status) {
   ended_ = true;
-  status_ = FromGrpcStatus(grpc_status_);
+  status_ = status;
+  Settle();
   ++shared_->ended;
 }
 

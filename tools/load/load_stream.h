@@ -1,30 +1,27 @@
 // File: load_stream.h
 //
-// LoadStream: one robot of a load test, on a completion queue, so that
-// thousands need no separate threads.
+// LoadStream: one stream of a robot in a load test; thousands share a thread.
 //
 //   LoadStream stream(&shared, {.robot = 3});
-//   stream.Open(channel, loop.queue());  // then serve until shared.settled
+//   stream.Open(connection);       // then serve until shared.settled
 //   stream.Offer();                // each time a message is due
 //   stream.Close();                // then serve until shared.ended
 //
-// A message that comes due while the one before is still being written waits
+// A message that comes due while the server's flow-control window is full waits
 // its turn; its delay counts from when it was due. A slow reader takes an
-// answer only when told to, until it is closed. Must live until it is over() or
-// its EventLoop is gone. Not thread-safe.
+// answer only when told to, until it is closed. Not thread-safe.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "absl/status/status.h"
-#include "core/base/call_event.h"
-#include "grpcpp/channel.h"
-#include "grpcpp/client_context.h"
-#include "grpcpp/generic/generic_stub.h"
 #include "tactus/v1/contact.pb.h"
 #include "tools/load/frame_script.h"
+#include "tools/load/grpc_call.h"
+#include "tools/load/grpc_connection.h"
 #include "tools/load/load_tally.h"
 #include "tools/load/schedule.h"
 
@@ -56,7 +53,7 @@ struct LoadShared {
   int ended = 0;
 };
 
-class LoadStream {
+class LoadStream final : private GrpcCall::Listener {
  public:
   struct Options {
     int robot = 0;
@@ -71,19 +68,18 @@ class LoadStream {
   LoadStream(const LoadStream&) = delete;
   LoadStream& operator=(const LoadStream&) = delete;
 
-  void Open(const std::shared_ptr<grpc::Channel>& channel,
-            grpc::CompletionQueue* queue);
+  void Open(std::shared_ptr<GrpcConnection> connection);
   void Offer();
   // Half-closes once all is written. The delay of the last answer counts from
   // `due_ns`; 0: from nowhere.
   void Close(int64_t due_ns = 0);
 
   // Lets a slow reader take its next answer.
-  void ReadNext();
+  void ReadNext() { call_.ReadOne(); }
   // It reads slowly no more.
-  void ReadAll();
+  void ReadAll() { call_.ReadAll(); }
 
-  void Cancel() { context_.TryCancel(); }
+  void Cancel() { call_.Cancel(); }
 
   bool reads_slowly() const { return options_.reads_slowly; }
   bool accepted() const { return accepted_; }
@@ -104,22 +100,13 @@ class LoadStream {
   }
   // Once it ended.
   const absl::Status& status() const { return status_; }
-  // It ended, and no event of it is to come.
-  bool over() const { return ended_ && in_flight_ == 0; }
+  bool over() const { return ended_; }
 
  private:
-  using Event = MemberEvent<LoadStream>;
+  GrpcCall::Next TakeMessage(std::string* out) override;
+  void OnMessage(absl::string_view message) override;
+  void OnEnded(const absl::Status& status) override;
 
-  void OnStarted(bool ok);
-  void OnWritten(bool ok);
-  void OnRead(bool ok);
-  void OnHalfClosed(bool) { --in_flight_; }
-  void HalfCloseIfWritten();
-  void OnFinished(bool ok);
-
-  void Write(const grpc::ByteBuffer& message);
-  void WriteNext();
-  void StartRead();
   int64_t DueNs(uint64_t message) const {
     return shared_->schedule->DueNs(options_.robot,
                                     options_.first_message + message);
@@ -135,29 +122,13 @@ class LoadStream {
   LoadTally* const tally_;
   // Where in the script this stream begins.
   const size_t script_offset_;
-  grpc::ClientContext context_;
-  std::unique_ptr<grpc::GenericClientAsyncReaderWriter> call_;
-  Event started_{this, &LoadStream::OnStarted};
-  Event write_done_{this, &LoadStream::OnWritten};
-  Event read_done_{this, &LoadStream::OnRead};
-  Event half_closed_{this, &LoadStream::OnHalfClosed};
-  Event finished_{this, &LoadStream::OnFinished};
-
-  // Messages that are due and not written yet; the configuration is the first.
-  uint32_t pending_ = 1;
+  bool configured_ = false;
   bool closing_ = false;
   int64_t close_due_ns_ = 0;
-  // The server has sent all that it will; its status came.
-  bool read_all_ = false;
   bool ended_ = false;
-  // Operations whose events have not come yet.
-  int in_flight_ = 0;
-  // A slow reader reads at once from now on; it waits to be told to read.
-  bool hurries_ = false;
-  bool read_waits_ = false;
+  // Messages that came due, and those of them that were sent.
   uint64_t offered_ = 0;
-  uint64_t written_ = 0;
-  grpc::ByteBuffer read_;
+  uint64_t sent_ = 0;
   v1::ClassifyContactResponse response_;
   bool settled_ = false;
   uint64_t last_sequence_ = 0;
@@ -168,8 +139,10 @@ class LoadStream {
   // The largest id of a contact, and touches reported.
   uint64_t newest_contact_ = 0;
   uint64_t touches_ = 0;
-  grpc::Status grpc_status_;
   absl::Status status_;
+  // The call ends before its connection.
+  std::shared_ptr<GrpcConnection> connection_;
+  GrpcCall call_;
 };
 
 // Nanoseconds of the clock that schedules are in.

@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "absl/synchronization/mutex.h"
+#include "client/stream/channel.h"
 #include "core/base/arguments.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
 #include "core/base/version.h"
-#include "tools/common/vetted_servers.h"
 #include "tools/load/find_max.h"
 #include "tools/load/load.h"
 #include "tools/load/load_processes.h"
@@ -66,10 +65,6 @@ int Complain(const absl::Status& status) {
 }
 
 int Main(int argc, char** argv) {
-  // Debian's Abseil keeps a graph of all locks to find deadlocks, which costs
-  // gRPC a twentieth of its time.
-  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
-  VetServers("tactus-load");
   Flags flags;
   LoadOptions& load = flags.load;
   CLI::App app("Loads a Tactus server with robots that do not wait.",
@@ -153,7 +148,7 @@ int Main(int argc, char** argv) {
   if (flags.tls_ca) {
     auto roots = ReadRootCertificates(*flags.tls_ca);
     if (!roots.ok()) return Complain(roots.status());
-    load.channel.tls_roots = *std::move(roots);
+    load.tls_roots = *std::move(roots);
   }
   if (flags.part) {
     load.part = *flags.part;

@@ -9,7 +9,6 @@
 
 #include "core/base/random.h"
 #include "google/protobuf/util/message_differencer.h"
-#include "grpcpp/support/proto_buffer_reader.h"
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"
 #include "tests/server/support/test_server.h"
@@ -66,10 +65,12 @@ TEST(ScheduleTest, DependsOnNumbersAlone) {
   EXPECT_GT(phases.size(), 95u);
 }
 
-v1::FrameBatch Parse(grpc::ByteBuffer bytes) {
-  grpc::ProtoBufferReader reader(&bytes);
+v1::FrameBatch MessageOf(const FrameScript& script, size_t position,
+                         uint64_t first_sequence) {
+  std::string bytes;
+  script.AppendMessage(position, first_sequence, &bytes);
   v1::ClassifyContactRequest request;
-  EXPECT_TRUE(request.ParseFromZeroCopyStream(&reader));
+  EXPECT_TRUE(request.ParseFromString(bytes));
   return request.frames();
 }
 
@@ -81,7 +82,7 @@ TEST(FrameScriptTest, MessagesCarryTheirNumbersAndSeededFrames) {
       const auto script = *FrameScript::Create(options);
       ASSERT_GT(script.size(), 100 / frames);
       const uint64_t sequence = 1'000'000'000;
-      v1::FrameBatch batch = Parse(script.Message(17, sequence));
+      v1::FrameBatch batch = MessageOf(script, 17, sequence);
       EXPECT_EQ(batch.first_sequence(), sequence);
       EXPECT_EQ(batch.first_capture_time_ns(),
                 static_cast<int64_t>(sequence) * 10'000'000);
@@ -91,7 +92,7 @@ TEST(FrameScriptTest, MessagesCarryTheirNumbersAndSeededFrames) {
       EXPECT_EQ(batch.poses_size(), static_cast<int>(frames) * 7);
       const auto same = *FrameScript::Create(options);
       EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(
-          batch, Parse(same.Message(17 + same.size(), sequence))));
+          batch, MessageOf(same, 17 + same.size(), sequence)));
     }
   }
   EXPECT_FALSE(

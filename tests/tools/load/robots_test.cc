@@ -5,7 +5,6 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/random.h"
 #include "google/protobuf/util/message_differencer.h"
-#include "grpcpp/support/proto_buffer_reader.h"
 #include "gtest/gtest.h"
 #include "tests/server/support/test_server.h"
 #include "tools/load/load.h"
@@ -133,10 +132,10 @@ double PressedFrames(const FrameScript& script) {
   const double newton = 1 / script.config().scale();
   int pressed = 0;
   for (size_t i = 0; i < script.size(); ++i) {
-    grpc::ByteBuffer bytes = script.Message(i, 1 + i);
-    grpc::ProtoBufferReader reader(&bytes);
+    std::string bytes;
+    script.AppendMessage(i, 1 + i, &bytes);
     v1::ClassifyContactRequest request;
-    EXPECT_TRUE(request.ParseFromZeroCopyStream(&reader));
+    EXPECT_TRUE(request.ParseFromString(bytes));
     const std::string& taxels = request.frames().taxels();
     bool is_pressed = false;
     for (size_t k = 0; k + 1 < taxels.size(); k += 2) {
