@@ -1,9 +1,10 @@
 // How long robots wait for their answers while people watch, while the server
-// keeps contacts, and while hostile programs besiege the console. Prints a
-// Markdown table. Each way is measured by turns with a server that is left
+// keeps contacts, while its metrics are read, and while hostile programs besiege
+// the console. Prints a Markdown table. Each way is measured by turns with a server that is left
 // alone, so that both have the same machine. Watchers and hostile programs take
 // the processor time that nobody else wants, as if they ran on other machines.
 
+import { createServer } from 'node:net';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -43,8 +44,9 @@ async function measure(flags, beside, seed) {
   );
   const address = new URL(await programs.console(socket));
   const robots = load(programs, socket, seed);
-  await beside({ programs, socket, address });
+  const stop = await beside({ programs, socket, address });
   const report = await robots;
+  stop?.();
   await programs.stopAll();
   return report;
 }
@@ -74,9 +76,27 @@ const watchers = async ({ programs, socket }) => {
 const hostile = async ({ programs, address }) => {
   startIdle(programs, process.execPath, siege, String(address));
 };
+// A port that nobody listens on.
+const freePort = () =>
+  new Promise((resolve) => {
+    const server = createServer().listen(0, '127.0.0.1', () => {
+      const { port } = server.address();
+      server.close(() => resolve(port));
+    });
+  });
+const metrics = `127.0.0.1:${await freePort()}`;
+// As Prometheus does at its quickest usual pace.
+const scrapes = async () => {
+  const timer = setInterval(async () => {
+    const response = await fetch(`http://${metrics}/metrics`);
+    await response.text();
+  }, 1000);
+  return () => clearInterval(timer);
+};
 const WAYS = {
   '5 watchers': [[], watchers],
   'contacts kept': [['--data-dir=@/data', '--keep-contacts=256M'], nothing],
+  'metrics read every second': [[`--metrics=${metrics}`], scrapes],
   'hostile programs at the console': [[], hostile],
 };
 

@@ -140,7 +140,7 @@ export class SkinView {
     pen.restore();
   }
 
-  // x goes across the rows, y across the columns.
+  // x points towards higher rows, y towards higher columns.
   private drawShear(pen: Pen): void {
     const cell = Math.min(this.cellWidth, this.cellHeight);
     const { full } = this.robot;
