@@ -13,6 +13,7 @@ import tempfile
 import threading
 import time
 import unittest
+from inspect import signature
 
 import numpy
 
@@ -449,6 +450,31 @@ class ScikitLearnTest(unittest.TestCase):
             ("classify", tactus.TouchClassifier(PALM.replace(rate_hz=50)))])
         halves.set_params(classify__preset="ridge")
         self.assertGreater(halves.fit(X, y, classify__groups=days).score(X, y), 0.9)
+
+    def test_groups_of_a_cross_validation(self):
+        """Each fit has the groups of its own recordings, in their order."""
+        from sklearn.model_selection import GroupKFold, cross_val_predict, cross_val_score
+
+        seen = []
+
+        class Noting(tactus.TouchClassifier):
+            def fit(self, X, y, groups=None):
+                seen.append(groups)
+                return super().fit(X, y, groups=groups)
+
+        X, y, days = presses(36, 16)
+        folds = GroupKFold(4)
+        wanted = [[days[i] for i in train] for train, _ in folds.split(X, y, days)]
+        model = Noting(PALM, preset="ridge", threads=1)
+        name = "fit_params" if "fit_params" in signature(cross_val_score).parameters else "params"
+        for passed in (days, numpy.array(days)):
+            for evaluate in (cross_val_score, cross_val_predict):
+                seen.clear()
+                evaluate(model, X, y, cv=folds, groups=days, **{name: {"groups": passed}})
+                self.assertEqual([list(groups) for groups in seen], wanted)
+        seen.clear()
+        cross_val_score(model, X, y, cv=folds, groups=days)
+        self.assertEqual(seen, [None] * 4)
 
     def test_processes(self):
         """joblib sends an estimator that is not fitted to other processes."""

@@ -105,9 +105,10 @@ class TouchClassifier:
         """Trains a model of these recordings.
 
         ``groups``: for each recording the object, the person or the session that
-        must not be on both sides of an inner test. INVALID_TRAINING_DATA,
-        INVALID_TRIAL, INVALID_CONFIG; with ``address`` the errors of
-        Client.train.
+        must not be on both sides of an inner test. ``cross_val_score`` passes them
+        on only as ``fit_params={"groups": groups}``; its ``groups`` is for its own
+        folds. INVALID_TRAINING_DATA, INVALID_TRIAL, INVALID_CONFIG; with
+        ``address`` the errors of Client.train.
         """
         for name, values in (("labels", y), ("groups", groups)):
             if values is not None and len(values) != len(X):
