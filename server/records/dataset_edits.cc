@@ -13,6 +13,7 @@
 #include "core/base/text.h"
 #include "core/data/trial_record.h"
 #include "core/store/records.h"
+#include "server/records/dataset_skin.h"
 #include "server/records/dataset_store.h"
 #include "server/records/request_key.h"
 #include "server/records/trial_info.h"
@@ -244,12 +245,14 @@ absl::StatusOr<DatasetStore::Content> DatasetStore::Merged(
     const NewTrials& trials, const Caller& caller,
     std::vector<v1::TrialInfo> held) const {
   TACTUS_RETURN_IF_ERROR(data_->reserve().Check());
+  DatasetSkin skin(data_->blobs(), trials.dataset, held);
   BlobStore::Batch batch = data_->blobs().NewBatch();
   std::vector<v1::TrialInfo> made;
   int64_t bytes = 0;
   for (size_t i = 0; i < trials.count; ++i) {
     TACTUS_ASSIGN_OR_RETURN(const v1::TrialRecord record, trials.make(i));
     TACTUS_ASSIGN_OR_RETURN(const Trial trial, FromRecord(record));
+    TACTUS_RETURN_IF_ERROR(skin.Check(trial));
     const std::string text = SerializeDeterministic(record);
     bytes += static_cast<int64_t>(text.size());
     // Nothing is written that would not fit.

@@ -103,7 +103,8 @@ class DatasetStore {
   };
   // Makes a new version with these trials; one with the frames of a trial that
   // is held takes its place. The same version for a repeated request. The
-  // errors of `make`, QUOTA_EXCEEDED.
+  // errors of `make`, INVALID_TRIAL for another skin than the dataset's
+  // (dataset_skin.h), QUOTA_EXCEEDED.
   absl::StatusOr<v1::DatasetVersion> Take(const NewTrials& trials,
                                           const Caller& caller);
 

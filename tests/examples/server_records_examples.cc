@@ -23,6 +23,7 @@
 #include "server/names/resource_names.h"
 #include "server/records/audit_log.h"
 #include "server/records/blob_parts.h"
+#include "server/records/dataset_skin.h"
 #include "server/records/dataset_store.h"
 #include "server/records/memory_budget.h"
 #include "server/records/model_store.h"
@@ -74,6 +75,13 @@ static absl::Status TrialMergeExample(
     const std::vector<v1::TrialInfo>& held,
     const std::vector<v1::TrialInfo>& uploaded) {
 #include "server/records/trial_merge.h.inc"
+  return absl::OkStatus();
+}
+
+static absl::Status DatasetSkinExample(const BlobStore& blobs,
+                                       const std::vector<v1::TrialInfo>& held,
+                                       const Trial& trial) {
+#include "server/records/dataset_skin.h.inc"
   return absl::OkStatus();
 }
 
