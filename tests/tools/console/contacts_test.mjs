@@ -4,26 +4,19 @@
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
+import { before, test } from 'node:test';
 
-import { chromium } from 'playwright-core';
-
+import { browserOf } from './browser.mjs';
 import { ContactsPage } from './contacts_page.mjs';
 import { Programs } from './programs.mjs';
 
 const HOSTILE = '"><img src=x onerror=window.hacked=1>';
 const programs = new Programs();
-let browser;
+const browser = await browserOf(programs);
 let log;
 
 before(async () => {
-  browser = await chromium.launch({
-    executablePath: '/usr/bin/chromium', args: ['--no-sandbox'] });
   log = await begin('log', '--keep-contacts=64M');
-});
-after(async () => {
-  await browser.close();
-  await programs.stopAll();
 });
 
 async function begin(name, ...flags) {

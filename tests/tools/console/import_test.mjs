@@ -5,11 +5,10 @@ import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
 import { mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
+import { before, test } from 'node:test';
 import { promisify } from 'node:util';
 
-import { chromium } from 'playwright-core';
-
+import { browserOf } from './browser.mjs';
 import { BrowserPage } from './browser_page.mjs';
 import { Programs } from './programs.mjs';
 
@@ -20,23 +19,17 @@ const tally = { check: (condition, text) => assert.ok(condition, text) };
 const programs = new Programs();
 const run = promisify(execFile);
 const at = (...parts) => join(programs.folder, ...parts);
-let browser;
+const browser = await browserOf(programs);
 // A server with a data directory, and its console.
 let server;
 let address;
 
 before(async () => {
-  browser = await chromium.launch({
-    executablePath: '/usr/bin/chromium', args: ['--no-sandbox'] });
   const socket = at('server.sock');
   await programs.server(socket, `--data-dir=${at('data')}`);
   server = `--server=unix:${socket}`;
   mkdirSync(at('imports'));
   address = await programs.console(socket, `--import-folder=${at('imports')}`);
-});
-after(async () => {
-  await browser.close();
-  await programs.stopAll();
 });
 
 const trainctl = (...words) =>

@@ -8,11 +8,10 @@
 import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
+import { test } from 'node:test';
 import { setTimeout as sleep } from 'node:timers/promises';
 
-import { chromium } from 'playwright-core';
-
+import { browserOf } from './browser.mjs';
 import { ContactsPage } from './contacts_page.mjs';
 import { Programs } from './programs.mjs';
 
@@ -30,16 +29,7 @@ const OF_MATERIAL = ['rubber', 'held'];
 const FRAMES = 600;
 const programs = new Programs();
 const at = (name) => join(programs.folder, name);
-let browser;
-
-before(async () => {
-  browser = await chromium.launch({
-    executablePath: '/usr/bin/chromium', args: ['--no-sandbox'] });
-});
-after(async () => {
-  await browser.close();
-  await programs.stopAll();
-});
+const browser = await browserOf(programs);
 
 // Two tables of materials: the new one, and all others.
 function writeMaterials() {

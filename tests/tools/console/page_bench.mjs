@@ -6,6 +6,7 @@ import { join } from 'node:path';
 
 import { chromium } from 'playwright-core';
 
+import { optionsOf } from './browser.mjs';
 import { Programs } from './programs.mjs';
 
 const SECONDS = Number(process.env.BENCH_SECONDS ?? 60);
@@ -57,8 +58,7 @@ async function measure(robots) {
   load.stdout.resume();
   const address = await programs.console(socket);
   const console_ = [...programs.running].at(-1);
-  const server = await chromium.launchServer({
-    executablePath: '/usr/bin/chromium', args: ['--no-sandbox'] });
+  const server = await chromium.launchServer(optionsOf());
   const browser = await chromium.connect(server.wsEndpoint());
   const page = await browser.newPage({
     viewport: { width: 1440, height: 2700 } });

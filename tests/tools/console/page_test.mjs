@@ -4,10 +4,9 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
+import { test } from 'node:test';
 
-import { chromium } from 'playwright-core';
-
+import { browserOf } from './browser.mjs';
 import { Programs } from './programs.mjs';
 
 const AXE = readFileSync(
@@ -15,16 +14,7 @@ const AXE = readFileSync(
 const WIDTHS = [1440, 1024, 768];
 const HOSTILE = '"><img src=x onerror=window.hacked=1>';
 const programs = new Programs();
-let browser;
-
-before(async () => {
-  browser = await chromium.launch({
-    executablePath: '/usr/bin/chromium', args: ['--no-sandbox'] });
-});
-after(async () => {
-  await browser.close();
-  await programs.stopAll();
-});
+const browser = await browserOf(programs);
 
 // A page that fails the test if it asks another host, breaks its policy or
 // throws.

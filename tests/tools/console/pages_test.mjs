@@ -3,29 +3,22 @@
 
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
+import { before, test } from 'node:test';
 
-import { chromium } from 'playwright-core';
-
+import { browserOf } from './browser.mjs';
 import { BrowserPage } from './browser_page.mjs';
 import { Programs } from './programs.mjs';
 
 const HOSTILE = '"><img src=x onerror=window.hacked=1>';
 const tally = { check: (condition, text) => assert.ok(condition, text) };
 const programs = new Programs();
-let browser;
+const browser = await browserOf(programs);
 let trials;
 
 before(async () => {
-  browser = await chromium.launch({
-    executablePath: '/usr/bin/chromium', args: ['--no-sandbox'] });
   trials = join(programs.folder, 'trials.h5');
   await programs.run('trainctl', 'simulate', '--protocol=grid', '--sample=60',
     '--seed=1', `--out=${trials}`);
-});
-after(async () => {
-  await browser.close();
-  await programs.stopAll();
 });
 
 // A server with a data directory, and a page of its console.

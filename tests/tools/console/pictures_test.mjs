@@ -7,8 +7,7 @@ import { mkdir, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
-import { chromium } from 'playwright-core';
-
+import { launchBrowser } from './browser.mjs';
 import { DEGRADED, NOW_MS, dataAnswers, serverAnswers, trainAnswers } from
   './fake_answers.mjs';
 import { FakeConsole } from './fake_console.mjs';
@@ -29,8 +28,7 @@ let browser;
 let comparison;
 
 before(async () => {
-  browser = await chromium.launch({ executablePath: '/usr/bin/chromium',
-    args: ['--no-sandbox', '--font-render-hinting=none'] });
+  browser = await launchBrowser(['--font-render-hinting=none']);
   comparison = await PictureComparison.make(browser);
   await mkdir('pictures', { recursive: true });
 });

@@ -4,11 +4,10 @@
 import assert from 'node:assert/strict';
 import { createServer, connect } from 'node:net';
 import { join } from 'node:path';
-import { after, test } from 'node:test';
+import { test } from 'node:test';
 import { setTimeout as sleep } from 'node:timers/promises';
 
-import { chromium } from 'playwright-core';
-
+import { browserOf } from './browser.mjs';
 import { Programs } from './programs.mjs';
 
 // A robot's frames would need some five times as much.
@@ -16,11 +15,7 @@ const BYTES_PER_S = 20_000;
 const ROBOTS = 2;
 const SLOW_S = 12;
 const programs = new Programs();
-let browser;
-after(async () => {
-  await browser?.close();
-  await programs.stopAll();
-});
+const browser = await browserOf(programs);
 
 // Passes bytes on; once slow() is called, those to the browser at BYTES_PER_S.
 async function line(address) {
@@ -53,10 +48,6 @@ test('a slow line loses frames, and delays none', async () => {
   await programs.server(socket);
   for (let i = 0; i < ROBOTS; ++i) programs.robot(socket, `arm-${i}`);
   const slowLine = await line(await programs.console(socket));
-  browser = await chromium.launch({
-    executablePath: '/usr/bin/chromium',
-    args: ['--no-sandbox'],
-  });
   const page = await browser.newPage();
   // How old messages are when the browser has them, in ms.
   let ages = [];

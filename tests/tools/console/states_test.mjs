@@ -8,16 +8,14 @@
 
 import { mkdir } from 'node:fs/promises';
 
-import { chromium } from 'playwright-core';
-
+import { launchBrowser } from './browser.mjs';
 import { BrowserPage } from './browser_page.mjs';
 import { DEGRADED, jobsOf, serverAnswers, trainAnswers } from
   './fake_answers.mjs';
 import { FakeConsole } from './fake_console.mjs';
 import { FakeRobot, makeRobots } from './fake_robot.mjs';
 
-const [pageDir, pictures, executablePath = '/usr/bin/chromium', ...chosen] =
-  process.argv.slice(2);
+const [pageDir, pictures, executablePath, ...chosen] = process.argv.slice(2);
 const IMAGE = '<img src=x onerror="window.hacked=1">';
 const SCRIPT = '"><script>window.hacked=1</script>';
 
@@ -552,8 +550,7 @@ async function chooseContact(page) {
 const ROBOTS = { 'no robot': 0, 'four robots': 4, 'twenty robots': 20 };
 
 await mkdir(pictures, { recursive: true });
-const browser = await chromium.launch({ executablePath,
-  args: ['--no-sandbox', '--headless=new'] });
+const browser = await launchBrowser(['--headless=new'], executablePath);
 for (const [name, run] of Object.entries(tests)) {
   if (chosen.length > 0 && !chosen.includes(name)) continue;
   console.log(`  ${name}`);

@@ -6,21 +6,16 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { request } from 'node:https';
 import { join } from 'node:path';
-import { after, test } from 'node:test';
+import { test } from 'node:test';
 import { connect } from 'node:tls';
 
-import { chromium } from 'playwright-core';
-
+import { browserOf } from './browser.mjs';
 import { Programs } from './programs.mjs';
 
 const programs = new Programs();
 const at = (name) => join(programs.folder, name);
 const port = 20_000 + (process.pid % 10_000);
-let browser;
-after(async () => {
-  await browser?.close();
-  await programs.stopAll();
-});
+const browser = await browserOf(programs);
 
 const makeCertificate = () =>
   execFileSync(
@@ -102,10 +97,6 @@ test('browsers and server are reached by TLS', async () => {
   // Who speaks http there gets no page.
   await assert.rejects(fetch(`http://${address.host}/`));
 
-  browser = await chromium.launch({
-    executablePath: '/usr/bin/chromium',
-    args: ['--no-sandbox'],
-  });
   const person = await browser.newPage({ ignoreHTTPSErrors: true });
   const sockets = [];
   person.on('websocket', (socket) => sockets.push(socket.url()));

@@ -5,25 +5,15 @@
 
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
+import { test } from 'node:test';
 
-import { chromium } from 'playwright-core';
-
+import { browserOf } from './browser.mjs';
 import { ContactsPage } from './contacts_page.mjs';
 import { Programs } from './programs.mjs';
 
 const MOST_CLICKS = 25;
 const programs = new Programs();
-let browser;
-
-before(async () => {
-  browser = await chromium.launch({
-    executablePath: '/usr/bin/chromium', args: ['--no-sandbox'] });
-});
-after(async () => {
-  await browser.close();
-  await programs.stopAll();
-});
+const browser = await browserOf(programs);
 
 // Hands that count.
 class Walker {
