@@ -90,21 +90,26 @@ const SimTouches::Touch* SimTouches::At(int64_t time_ns) {
   return nullptr;
 }
 
+void SimTouches::ForcesAt(int64_t time_ns, size_t first,
+                          std::span<double> newtons) {
+  const Touch* touch = At(time_ns);
+  if (touch == nullptr || time_ns >= touch->end_ns ||
+      touch->trial.taxels.empty()) {
+    return;
+  }
+  const TaxelSeries& taxels = touch->trial.taxels;
+  const size_t begin = FrameAt(touch->trial, time_ns - touch->begin_ns) *
+                           static_cast<size_t>(taxels.rows) * taxels.columns +
+                       first;
+  for (size_t i = 0; i < newtons.size(); ++i) {
+    newtons[i] = taxels.u16[begin + i] * taxels.scale;
+  }
+}
+
 IcubBoards::Source SimTouches::Source() {
   return [this](int64_t time_ns, size_t board, std::span<double> counts) {
-    const Touch* touch = At(time_ns);
-    if (touch == nullptr || time_ns >= touch->end_ns ||
-        touch->trial.taxels.empty()) {
-      return;
-    }
-    const TaxelSeries& taxels = touch->trial.taxels;
-    const size_t first = FrameAt(touch->trial, time_ns - touch->begin_ns) *
-                             static_cast<size_t>(taxels.rows) * taxels.columns +
-                         board * icub::kBoardValues;
-    for (size_t i = 0; i < counts.size(); ++i) {
-      counts[i] =
-          taxels.u16[first + i] * taxels.scale / options_.newton_per_count;
-    }
+    ForcesAt(time_ns, board * icub::kBoardValues, counts);
+    for (double& count : counts) count /= options_.newton_per_count;
   };
 }
 

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,7 +51,11 @@ class SimTouches {
 
   // Boards, layout and cells of this skin.
   const icub::SkinPatch& patch() const { return patch_; }
-  // May be called for times that do not fall by more than one contact.
+  // The forces on cells of the layout from `first` on, at a time; all are 0
+  // before. May be called for times that do not fall by more than one contact;
+  // for any after MakeAll.
+  void ForcesAt(int64_t time_ns, size_t first, std::span<double> newtons);
+  // The same for the dots of a board.
   IcubBoards::Source Source();
   // The pose of the link; that of the last contact between contacts.
   Pose PoseAt(int64_t time_ns);
