@@ -21,6 +21,9 @@ using testing::LineClock;
 constexpr size_t kContacts = 12;
 constexpr double kNewtonPerUt = 0.001;
 
+// Centre, left, right, up and down, in pitches.
+constexpr double kPlaces[][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, 1}, {0, -1}};
+
 SimTouchesOptions Options() {
   return {.seed = 3,
           .contacts = kContacts,
@@ -64,8 +67,8 @@ TEST(MagnetTouchesTest, TheFieldIsThatOfTheForcesWhereTheyAct) {
     double nearest_z = 0;
     double least_z = 0;
     for (size_t k = 0; k < AnySkinBoard::kMagnets; ++k) {
-      const double distance = std::hypot(AnySkinBoard::kPlaces[k][0] - right,
-                                         AnySkinBoard::kPlaces[k][1] - up);
+      const double distance =
+          std::hypot(kPlaces[k][0] - right, kPlaces[k][1] - up);
       EXPECT_LE(field[3 * k + 2], 0) << time_ns;
       EXPECT_GE(field[3 * k + 2], -std::min(3'000.0, force / kNewtonPerUt))
           << time_ns;
