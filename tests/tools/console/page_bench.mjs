@@ -1,5 +1,6 @@
 // How long frames take from the server to the screen, and what that costs.
-// Prints a Markdown table.
+// Prints a Markdown table. BENCH_ROBOTS=1,4,20 says how many robots a row has,
+// BENCH_SECONDS=60 how long they are watched.
 
 import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
@@ -10,6 +11,7 @@ import { optionsOf } from './browser.mjs';
 import { Programs } from './programs.mjs';
 
 const SECONDS = Number(process.env.BENCH_SECONDS ?? 60);
+const ROBOTS = (process.env.BENCH_ROBOTS ?? '1,4,20').split(',').map(Number);
 const TICKS_PER_S = 100;
 
 const stat = (pid) => {
@@ -94,4 +96,4 @@ async function measure(robots) {
 console.log('| robots | frames/s drawn of each | delay p50 | p99 ' +
   '| browser CPU | console CPU | console peak memory |');
 console.log('|---|---|---|---|---|---|---|');
-for (const robots of [1, 4, 20]) console.log(await measure(robots));
+for (const robots of ROBOTS) console.log(await measure(robots));
