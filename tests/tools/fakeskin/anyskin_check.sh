@@ -22,16 +22,21 @@ fail() {
 }
 
 "$bin/tactus-fakeskin" --skin=anyskin --port=anyskin --rate-hz=200 \
-  --contacts=4 --first-after=30 >skin.txt &
+  --contacts=4 --first-after=60 >skin.txt &
 skin=$!
 for ((i = 0; i < 600; i++)); do
   [[ -s skin.txt ]] && break
   sleep 0.1
 done
 grep -qx "playing 4 contacts on anyskin" skin.txt
-# It measures the rate, too, and refuses a skin that is touched.
-"$bin/trainctl" skin calibrate --driver=anyskin --port=anyskin --rate-hz=200 \
-  --device-id=fake --frames=400 --out=cal.json 2>&1 | tee calibrate.txt
+# It measures the rate, too, and refuses a skin that is touched. A machine that
+# stands still makes the rate wrong, so it gets three tries.
+for ((i = 0; i < 3; i++)); do
+  "$bin/trainctl" skin calibrate --driver=anyskin --port=anyskin \
+    --rate-hz=200 --device-id=fake --frames=400 --out=cal.json \
+    >calibrate.txt 2>&1 && break
+done
+cat calibrate.txt
 grep -q "fake: anyskin-5, 3 x 3 taxels at 200 Hz" calibrate.txt
 grep -q "dead taxels: none; stuck: none; noisy: none" calibrate.txt
 # The deviation is that of the noise, 2 uT.
