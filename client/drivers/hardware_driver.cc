@@ -43,6 +43,7 @@ absl::Status HardwareDriver::OnActivate() {
   TACTUS_RETURN_IF_ERROR(device_->Start());
   if (!meter_) {
     meter_.emplace(device_->period_ns());
+    loads_.emplace(info_.layout);
     stuck_.emplace(static_cast<uint32_t>(
         std::max<int64_t>(2, kStuckNs / device_->period_ns())));
   }
@@ -183,18 +184,17 @@ bool HardwareDriver::Finish(SkinFrame& frame) {
 }
 
 void HardwareDriver::CheckStuck(const SkinFrame& frame) {
-  if (info_.taxel_type != v1::TAXEL_TYPE_INT16) {
-    stuck_->Add(frame.u16);
-    return;
+  switch (info_.taxel_type) {
+    case v1::TAXEL_TYPE_FLOAT32:
+      values_ = frame.f32;
+      break;
+    case v1::TAXEL_TYPE_INT16:
+      values_.assign(frame.i16.begin(), frame.i16.end());
+      break;
+    default:
+      values_.assign(frame.u16.begin(), frame.u16.end());
   }
-  const auto axes = static_cast<size_t>(info_.layout.axes);
-  const auto normal = static_cast<size_t>(info_.layout.normal_axis.value_or(0));
-  loads_.resize(frame.i16.size() / axes);
-  for (size_t i = 0; i < loads_.size(); ++i) {
-    loads_[i] = static_cast<uint16_t>(
-        std::max<int16_t>(frame.i16[axes * i + normal], 0));
-  }
-  stuck_->Add(loads_);
+  stuck_->Add(loads_->Of(values_));
 }
 
 std::string HardwareDriver::PoseProblem() const {

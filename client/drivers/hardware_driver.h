@@ -32,6 +32,7 @@
 #include "client/drivers/skin_device.h"
 #include "client/drivers/skin_driver.h"
 #include "client/drivers/stuck_taxels.h"
+#include "core/skin/normal_loads.h"
 
 namespace tactus::internal::client {
 
@@ -89,8 +90,9 @@ class HardwareDriver : public SkinDriver {
   SkinInfo info_;
   std::optional<FrameMeter> meter_;
   std::optional<StuckTaxels> stuck_;
-  // The loads of a skin of signed values, for stuck_.
-  std::vector<uint16_t> loads_;
+  // What stuck_ looks at: loads of values, which may be of any type.
+  std::optional<NormalLoads> loads_;
+  std::vector<float> values_;
   int64_t last_capture_ns_ = 0;
   // The last frame, or when the driver became active.
   int64_t last_frame_ns_ = 0;

@@ -5,7 +5,7 @@
 // contact on it never ends.
 //
 //   StuckTaxels stuck(/*frames=*/500);
-//   stuck.Add(frame.u16);
+//   stuck.Add(loads.Of(values));  // core/skin/normal_loads.h
 //   for (int taxel : stuck.Taxels()) Mask(taxel);
 //
 // Allocates at the first frame only, but for Taxels(). Not thread-safe.
@@ -24,13 +24,13 @@ class StuckTaxels {
   explicit StuckTaxels(uint32_t frames) : frames_(frames) {}
 
   // All frames have one size.
-  void Add(std::span<const uint16_t> taxels);
+  void Add(std::span<const float> loads);
   // Row-major indices, rising.
   std::vector<int> Taxels() const;
 
  private:
   const uint32_t frames_;
-  std::vector<uint16_t> values_;
+  std::vector<float> loads_;
   // Frames for which each taxel has had its value.
   std::vector<uint32_t> runs_;
 };

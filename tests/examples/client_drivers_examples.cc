@@ -195,7 +195,8 @@ static absl::Status OneAxisExample(const SkinLayout& layout) {
   return absl::OkStatus();
 }
 
-static void StuckTaxelsExample(const SkinFrame& frame) {
+static void StuckTaxelsExample(NormalLoads& loads,
+                               std::span<const float> values) {
 #include "client/drivers/stuck_taxels.h.inc"
 }
 

@@ -141,13 +141,13 @@ TEST(FrameMeterTest, RateJitterLossesAndAges) {
 
 TEST(StuckTaxelsTest, OnlyOneLongValueAboveZeroIsStuck) {
   StuckTaxels stuck(5);
-  for (uint16_t i = 0; i < 4; ++i) {
-    stuck.Add(std::vector<uint16_t>{0, 7, i, 3});
+  for (int i = 0; i < 4; ++i) {
+    stuck.Add(std::vector<float>{0, 7, static_cast<float>(i), 3});
   }
   EXPECT_THAT(stuck.Taxels(), IsEmpty());
-  stuck.Add(std::vector<uint16_t>{0, 7, 9, 3});
+  stuck.Add(std::vector<float>{0, 7, 9, 3});
   EXPECT_THAT(stuck.Taxels(), ElementsAre(1, 3));
-  stuck.Add(std::vector<uint16_t>{0, 7, 9, 4});
+  stuck.Add(std::vector<float>{0, 7, 9, 4});
   EXPECT_THAT(stuck.Taxels(), ElementsAre(1));
 }
 
