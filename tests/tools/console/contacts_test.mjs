@@ -167,6 +167,8 @@ test('labels are given by keys and clicks, and saved', async () => {
   // Loading the page anew loses none.
   await page.page.reload();
   await page.see('6 labels', '.count');
+  // Labels that are not saved are there before the contacts are.
+  assert.ok(await page.untilRows((rows) => rows.length > 7));
   assert.deepEqual((await page.rows()).slice(0, 6).map(({ draft }) => draft),
     ['SU', 'HU', 'HU', HOSTILE, 'HM', 'HM']);
 
