@@ -28,6 +28,7 @@
 #include "core/import/ros_bag.h"
 #include "core/import/skin_file.h"
 #include "core/import/trial_table.h"
+#include "nlohmann/json.hpp"
 
 namespace tactus::internal {
 namespace {
@@ -424,7 +425,8 @@ class SkinFolder {
 
 // Reads all trials for the thresholds alone.
 absl::Status TakeThresholds(const std::string& skin_path,
-                            const std::string& table_path, SkinFolder& folder) {
+                            const std::string& table_path,
+                            const ImportOptions& options, SkinFolder& folder) {
   SkinFile& skin = folder.skin();
   IdleNoise noise({skin.idle_frames, skin.idle_taxels});
   Mistakes mistakes(table_path);
@@ -447,6 +449,15 @@ absl::Status TakeThresholds(const std::string& skin_path,
   }
   skin.layout.contact_threshold = found->contact_threshold;
   skin.layout.onset_threshold = found->onset_threshold;
+  if (options.remark) {
+    // With all digits: a model refuses a skin with other thresholds.
+    options.remark(absl::StrCat(
+        "for other recordings of this skin, instead of thresholds: "
+        "\"contact_threshold\": ",
+        nlohmann::json(found->contact_threshold).dump(),
+        ", \"onset_threshold\": ",
+        nlohmann::json(found->onset_threshold).dump()));
+  }
   return absl::OkStatus();
 }
 
@@ -496,7 +507,8 @@ absl::StatusOr<size_t> ImportSkinFolder(const std::string& folder,
   }
   SkinFolder source(folder, std::move(skin), std::move(table), options);
   if (source.skin().thresholds_from_idle) {
-    TACTUS_RETURN_IF_ERROR(TakeThresholds(skin_path, table_path, source));
+    TACTUS_RETURN_IF_ERROR(
+        TakeThresholds(skin_path, table_path, options, source));
   }
   Mistakes mistakes(table_path);
   std::set<std::string> ids;

@@ -1,6 +1,7 @@
 #include "core/skin/layout.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -35,10 +36,19 @@ std::string Differ(absl::string_view field, absl::string_view value,
   return absl::StrCat(field, " ", value, ", not ", other);
 }
 
+// The shortest text that reads as `value`: six digits could be equal although
+// the numbers differ.
+std::string AllDigits(double value) {
+  char digits[32];
+  const std::to_chars_result end =
+      std::to_chars(digits, digits + sizeof digits, value);
+  return std::string(digits, end.ptr);
+}
+
 std::string Differ(absl::string_view field, double value, double other,
                    double tolerance) {
   if (std::abs(value - other) <= tolerance * std::abs(other)) return "";
-  return absl::StrCat(field, " ", value, ", not ", other);
+  return absl::StrCat(field, " ", AllDigits(value), ", not ", AllDigits(other));
 }
 
 absl::Status CheckLightTouch(const SkinLayout& layout) {

@@ -1,6 +1,8 @@
 // Folders of recordings of any skin.
+#include <algorithm>
 #include <cstring>
 
+#include "absl/strings/match.h"
 #include "core/base/errors.h"
 #include "core/data/trial_file.h"
 #include "core/import/import_skin_folder.h"
@@ -300,6 +302,33 @@ TEST_F(ImportSkinTest, ThresholdsComeFromIdleFrames) {
   const Trial trial = First();
   EXPECT_DOUBLE_EQ(trial.skin->contact_threshold, 99 + 24.5);
   EXPECT_DOUBLE_EQ(trial.skin->onset_threshold, 99 + 49);
+}
+
+// The thresholds have more digits than the six that people are shown, because
+// frames are of single precision.
+TEST_F(ImportSkinTest, TheThresholdsThatItTellsMakeTheSameSkin) {
+  const std::string skin = R"({"name": "mine", "rows": 2, "columns": 2,
+    "row_pitch_m": 0.01, "column_pitch_m": 0.005, "unit": "newton",
+    "sample_rate_hz": 50, )";
+  Write("a.csv",
+        "0,0,0,0\n0.333333333,0.333333333,0.333333333,0\n"
+        "4,0,0,0\n4,0,0,0\n");
+  Write("trials.csv", "frames,label\na.csv,x\n");
+  Write("skin.json",
+        skin + R"("thresholds": "from idle frames", "idle_frames": 2})");
+  std::vector<std::string> remarks;
+  const auto trials =
+      ImportAll(dir_.path(),
+                {.remark = [&](const auto& text) { remarks.push_back(text); }});
+  ASSERT_TRUE(trials.ok()) << trials.status();
+  const std::string before = "instead of thresholds: ";
+  const auto told = std::find_if(
+      remarks.begin(), remarks.end(),
+      [&](const auto& text) { return absl::StrContains(text, before); });
+  ASSERT_NE(told, remarks.end());
+  Write("skin.json",
+        skin + told->substr(told->find(before) + before.size()) + "}");
+  EXPECT_EQ(*First().skin, *trials->front().skin);
 }
 
 TEST_F(ImportSkinTest, ATrialFileGetsAnotherSkin) {

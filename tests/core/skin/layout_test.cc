@@ -129,6 +129,10 @@ TEST(SkinDifferenceTest, NamesTheFirstDifference) {
     change(other);
     EXPECT_EQ(SkinDifference(other, base), text);
   }
+  // Six digits of both are equal.
+  SkinLayout close = base;
+  close.contact_threshold = 4.00000001;
+  EXPECT_EQ(SkinDifference(close, base), "contact_threshold 4.00000001, not 4");
   SkinLayout broken = base;
   broken.mask.assign(60, 1);
   broken.mask[7] = 0;
