@@ -78,6 +78,21 @@ std::string SkinName(absl::string_view topic) {
   return name.empty() ? "skin" : name.substr(0, 40);
 }
 
+// The topic of poses if there is one only: which of several is the skin's, a
+// person knows.
+std::string PoseTopicOf(const BagSummary& summary) {
+  std::string topic;
+  for (const BagTopicSummary& each : summary.topics) {
+    if (each.messages == 0 ||
+        each.topic.type != "geometry_msgs/msg/PoseStamped") {
+      continue;
+    }
+    if (!topic.empty()) return "";
+    topic = each.topic.name;
+  }
+  return topic;
+}
+
 }  // namespace
 
 absl::StatusOr<BagSummary> SummarizeBag(const std::string& path) {
@@ -146,15 +161,17 @@ std::string SkinToStartFrom(const BagSummary& summary) {
   constexpr double kPitchM = 0.005;
   nlohmann::ordered_json json = {{"name", SkinName(best->topic.name)},
                                  {"dataset", best->topic.name},
-                                 {"bag_values", best->field},
-                                 {"rows", shape.rows},
-                                 {"columns", shape.columns},
-                                 {"row_pitch_m", kPitchM},
-                                 {"column_pitch_m", kPitchM},
-                                 {"unit", "counts"},
-                                 {"scale", 1},
-                                 {"thresholds", "from idle frames"},
-                                 {"idle_frames", 20}};
+                                 {"bag_values", best->field}};
+  const std::string pose_topic = PoseTopicOf(summary);
+  if (!pose_topic.empty()) json["pose_topic"] = pose_topic;
+  json.update({{"rows", shape.rows},
+               {"columns", shape.columns},
+               {"row_pitch_m", kPitchM},
+               {"column_pitch_m", kPitchM},
+               {"unit", "counts"},
+               {"scale", 1},
+               {"thresholds", "from idle frames"},
+               {"idle_frames", 20}});
   if (shape.axes == 3) {
     json["axes"] = 3;
     json["signed_values"] = true;

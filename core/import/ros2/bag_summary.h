@@ -55,8 +55,9 @@ struct BagSummary {
 absl::StatusOr<BagSummary> SummarizeBag(const std::string& path);
 
 // A skin.json for the topic that is likeliest touch: arrays rather than images,
-// then that with the most messages. Thresholds and baseline come from the first
-// frames, pitches are to be corrected. Empty if no topic has taxels.
+// then that with the most messages; with the topic of poses, if there is only
+// one. Thresholds and baseline come from the first frames, pitches are to be
+// corrected. Empty if no topic has taxels.
 std::string SkinToStartFrom(const BagSummary& summary);
 
 }  // namespace tactus::internal

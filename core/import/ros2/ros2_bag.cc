@@ -22,6 +22,22 @@ bool IsBagFile(const fs::path& path) {
   return path.extension() == ".mcap" || path.extension() == ".db3";
 }
 
+// The first folder in `path`, by its name, that is a bag; empty if none is.
+std::string BagWithin(const std::string& path) {
+  std::string first;
+  std::error_code error;
+  for (fs::directory_iterator it(path, error), end; !error && it != end;
+       it.increment(error)) {
+    std::error_code closed;
+    for (fs::directory_iterator in(it->path(), closed); !closed && in != end;
+         in.increment(closed)) {
+      const std::string bag = it->path().string();
+      if (IsBagFile(in->path()) && (first.empty() || bag < first)) first = bag;
+    }
+  }
+  return first;
+}
+
 // The files of a folder, run_2 before run_10.
 absl::StatusOr<std::vector<std::string>> BagFilesOf(const std::string& path) {
   std::error_code error;
@@ -51,7 +67,15 @@ absl::StatusOr<std::vector<std::string>> BagFilesOf(const std::string& path) {
     return TrialFileInvalid(
         packed, "is compressed as a whole; decompress it first: zstd -d");
   }
-  if (files.empty()) return TrialFileInvalid(path, "holds no .mcap or .db3");
+  if (files.empty()) {
+    const std::string within = BagWithin(path);
+    return TrialFileInvalid(
+        path, within.empty()
+                  ? "holds no .mcap or .db3"
+                  : absl::StrCat("is no bag, but holds bags; name one of "
+                                 "them, such as ",
+                                 within));
+  }
   std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
     return std::pair(a.size(), a) < std::pair(b.size(), b);
   });

@@ -227,6 +227,41 @@ TEST(Ros2BagTest, ImportsWithTheMappingOfTheList) {
   EXPECT_EQ(trial.taxels.f32[20 * 6 + 3], 0.125F);
 }
 
+// A folder of bags is none, and says which of them can be named.
+TEST(Ros2BagTest, AFolderOfBagsNamesTheFirst) {
+  const ScratchDir folder;
+  for (const std::string run : {"bags/b", "bags/a", "bags/empty"}) {
+    std::filesystem::create_directories(folder / run);
+  }
+  WriteSampleBag(folder / "bags/b/b_0.mcap", {TouchTopic("/touch")});
+  WriteSampleBag(folder / "bags/a/a_0.mcap", {TouchTopic("/touch")});
+  EXPECT_THAT(std::string(SummarizeBag(folder / "bags").status().message()),
+              testing::EndsWith(absl::StrCat(
+                  "is no bag, but holds bags; name one of them, such as ",
+                  folder / "bags/a")));
+  EXPECT_THAT(
+      std::string(SummarizeBag(folder / "bags/empty").status().message()),
+      HasSubstr("holds no .mcap or .db3"));
+}
+
+// The topic of poses is part of the mapping unless there are two.
+TEST(Ros2BagTest, TheMappingOfTheListHasTheOnlyTopicOfPoses) {
+  const ScratchDir folder;
+  const std::string type = "geometry_msgs/msg/PoseStamped";
+  WriteSampleBag(folder / "one.mcap",
+                 {TouchTopic("/touch"), {"/arm/pose", type, {{5, "x"}}}});
+  WriteSampleBag(folder / "two.mcap", {TouchTopic("/touch"),
+                                       {"/arm/pose", type, {{5, "x"}}},
+                                       {"/cup/pose", type, {{5, "x"}}}});
+  const auto one = SummarizeBag(folder / "one.mcap");
+  ASSERT_TRUE(one.ok()) << one.status();
+  EXPECT_THAT(SkinToStartFrom(*one),
+              HasSubstr("\"pose_topic\": \"/arm/pose\",\n  \"rows\": 2,"));
+  const auto two = SummarizeBag(folder / "two.mcap");
+  ASSERT_TRUE(two.ok()) << two.status();
+  EXPECT_THAT(SkinToStartFrom(*two), testing::Not(HasSubstr("\"pose_topic\"")));
+}
+
 constexpr char kTouchSkin[] = R"({"name": "mine", "rows": 2, "columns": 3,
   "row_pitch_m": 0.01, "column_pitch_m": 0.01, "unit": "counts",
   "contact_threshold": 5, "sample_rate_hz": 100, "dataset": "/touch")";

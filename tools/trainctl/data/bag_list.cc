@@ -79,8 +79,8 @@ absl::Status ListBag(const std::string& path, bool json) {
     std::cout << "No topic has taxels; --list --json says why of each.\n";
     return absl::OkStatus();
   }
-  std::cout << "A mapping to start from; correct the shape, the pitches and "
-               "idle_frames, then\n"
+  std::cout << "A mapping to start from; correct the shape, the pitches, unit, "
+               "scale and idle_frames, then\n"
                "trainctl import "
             << Printable(path)
             << " --mapping=skin.json --label=LABEL --out=mine.h5\n"
