@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "core/base/errors.h"
 #include "core/base/limits.h"
 #include "core/base/status_macros.h"
@@ -16,6 +17,11 @@ namespace {
 
 // x y z qx qy qz qw.
 constexpr int kPoseNumbers = 7;
+
+constexpr absl::string_view kNoRecording =
+    "is an MCAP file, but no recording of tactus-stream; a bag of ROS 2 is "
+    "made "
+    "a trial file first (trainctl import), which can be replayed";
 
 }  // namespace
 
@@ -32,7 +38,7 @@ absl::StatusOr<bool> RecordingReader::Next(RecordingEvent& event) {
     TACTUS_ASSIGN_OR_RETURN(const McapRead read, file_->Next());
     if (read == McapRead::kEnd) {
       if (about_.empty() && file_->complete()) {
-        return TrialFileInvalid(path_, "is an MCAP file, but no recording");
+        return TrialFileInvalid(path_, kNoRecording);
       }
       return false;
     }
@@ -76,7 +82,7 @@ absl::Status RecordingReader::TakeMessage(RecordingEvent& event, bool* found) {
   const std::string& topic = file_->message().channel->topic;
   *found = true;
   if (about_.empty()) {
-    return TrialFileInvalid(path_, "is an MCAP file, but no recording");
+    return TrialFileInvalid(path_, kNoRecording);
   }
   if (topic == kFrameTopic) {
     TACTUS_RETURN_IF_ERROR(ParseEvent<v1::FrameBatch>(event));
