@@ -249,6 +249,14 @@ absl::StatusOr<Trial> ImportSignalsCsv(const std::string& path, size_t number) {
 
 namespace {
 
+absl::Status MappingIsAbsent(const std::string& path, absl::string_view what,
+                             const std::string& bag) {
+  return InvalidConfig("mapping of the import", "absent",
+                       absl::StrCat("a skin.json that names a topic, because ",
+                                    path, " ", what, "; trainctl import ", bag,
+                                    " --list prints one to start from"));
+}
+
 // A bag of ROS 2 as one trial, or a folder of bags.
 absl::StatusOr<size_t> ImportBags(const std::string& path, TrialSink sink,
                                   const ImportOptions& options) {
@@ -263,12 +271,14 @@ absl::StatusOr<size_t> ImportBags(const std::string& path, TrialSink sink,
     with_skin.skin = inside;
   }
   if (with_skin.skin.empty()) {
+    return MappingIsAbsent(path, "is a bag of ROS 2", path);
+  }
+  if (!IsRos2Bag(path) && !FirstBagIn(path).empty()) {
     return InvalidConfig(
-        "mapping of the import", "absent",
-        absl::StrCat("a skin.json that names a topic, because ", path,
-                     " is a bag of ROS 2; trainctl "
-                     "import ",
-                     path, " --list prints one to start from"));
+        "table of the import", "absent",
+        absl::StrCat("one that names bags and their labels, because ", path,
+                     " is a folder of bags; or their names say it: "
+                     "--file-names='{label}_{}/{}.mcap'"));
   }
   if (options.label.empty()) {
     return InvalidConfig("label of the import", "absent",
@@ -296,6 +306,9 @@ absl::StatusOr<size_t> ImportFrom(const std::string& path, TrialSink sink,
   if (fs::is_directory(path, error)) {
     if (!options.skin.empty() || fs::exists(fs::path(path) / "skin.json")) {
       return ImportSkinFolder(path, options, sink);
+    }
+    if (const std::string bag = FirstBagIn(path); !bag.empty()) {
+      return MappingIsAbsent(path, "holds bags of ROS 2", bag);
     }
     TACTUS_RETURN_IF_ERROR(RefuseOptions(path, options));
     if (IsZarrGroup(path)) return ImportZarr(path, sink);

@@ -22,22 +22,6 @@ bool IsBagFile(const fs::path& path) {
   return path.extension() == ".mcap" || path.extension() == ".db3";
 }
 
-// The first folder in `path`, by its name, that is a bag; empty if none is.
-std::string BagWithin(const std::string& path) {
-  std::string first;
-  std::error_code error;
-  for (fs::directory_iterator it(path, error), end; !error && it != end;
-       it.increment(error)) {
-    std::error_code closed;
-    for (fs::directory_iterator in(it->path(), closed); !closed && in != end;
-         in.increment(closed)) {
-      const std::string bag = it->path().string();
-      if (IsBagFile(in->path()) && (first.empty() || bag < first)) first = bag;
-    }
-  }
-  return first;
-}
-
 // The files of a folder, run_2 before run_10.
 absl::StatusOr<std::vector<std::string>> BagFilesOf(const std::string& path) {
   std::error_code error;
@@ -68,7 +52,7 @@ absl::StatusOr<std::vector<std::string>> BagFilesOf(const std::string& path) {
         packed, "is compressed as a whole; decompress it first: zstd -d");
   }
   if (files.empty()) {
-    const std::string within = BagWithin(path);
+    const std::string within = FirstBagIn(path);
     return TrialFileInvalid(
         path, within.empty()
                   ? "holds no .mcap or .db3"
@@ -177,6 +161,23 @@ double SecondsBetween(int64_t first_ns, int64_t last_ns) {
   const int64_t seconds = last_ns / kSecond - first_ns / kSecond;
   const int64_t rest = last_ns % kSecond - first_ns % kSecond;
   return static_cast<double>(seconds) + 1e-9 * static_cast<double>(rest);
+}
+
+std::string FirstBagIn(const std::string& folder) {
+  std::string first;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    const std::string bag = it->path().string();
+    bool is_bag = IsBagFile(it->path());
+    std::error_code closed;
+    for (fs::directory_iterator in(it->path(), closed); !closed && in != end;
+         in.increment(closed)) {
+      is_bag = is_bag || IsBagFile(in->path());
+    }
+    if (is_bag && (first.empty() || bag < first)) first = bag;
+  }
+  return first;
 }
 
 bool IsRos2Bag(const std::string& path) {

@@ -114,4 +114,8 @@ double SecondsBetween(int64_t first_ns, int64_t last_ns);
 // no skin.json; or an .mcap file with the profile "ros2", or a .db3 file.
 bool IsRos2Bag(const std::string& path);
 
+// The first bag in `folder`, by its name: a .mcap or .db3 file, or a folder of
+// them. Empty if there is none.
+std::string FirstBagIn(const std::string& folder);
+
 }  // namespace tactus::internal

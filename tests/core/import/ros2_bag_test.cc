@@ -227,6 +227,10 @@ TEST(Ros2BagTest, ImportsWithTheMappingOfTheList) {
   EXPECT_EQ(trial.taxels.f32[20 * 6 + 3], 0.125F);
 }
 
+constexpr char kTouchSkin[] = R"({"name": "mine", "rows": 2, "columns": 3,
+  "row_pitch_m": 0.01, "column_pitch_m": 0.01, "unit": "counts",
+  "contact_threshold": 5, "sample_rate_hz": 100, "dataset": "/touch")";
+
 // A folder of bags is none, and says which of them can be named.
 TEST(Ros2BagTest, AFolderOfBagsNamesTheFirst) {
   const ScratchDir folder;
@@ -242,6 +246,16 @@ TEST(Ros2BagTest, AFolderOfBagsNamesTheFirst) {
   EXPECT_THAT(
       std::string(SummarizeBag(folder / "bags/empty").status().message()),
       HasSubstr("holds no .mcap or .db3"));
+  WriteBytes(folder / "skin.json", std::string(kTouchSkin) + "}");
+  const auto error = [&](const ImportOptions& options) {
+    return std::string(ImportAll(folder / "bags", options).status().message());
+  };
+  const std::string list =
+      absl::StrCat("trainctl import ", folder / "bags/a", " --list");
+  EXPECT_THAT(error({}), HasSubstr(list));
+  EXPECT_THAT(error({.file_names = "{label}_{}/{}.mcap"}), HasSubstr(list));
+  EXPECT_THAT(error({.mapping = folder / "skin.json", .label = "soft"}),
+              HasSubstr("is a folder of bags"));
 }
 
 // The topic of poses is part of the mapping unless there are two.
@@ -261,10 +275,6 @@ TEST(Ros2BagTest, TheMappingOfTheListHasTheOnlyTopicOfPoses) {
   ASSERT_TRUE(two.ok()) << two.status();
   EXPECT_THAT(SkinToStartFrom(*two), testing::Not(HasSubstr("\"pose_topic\"")));
 }
-
-constexpr char kTouchSkin[] = R"({"name": "mine", "rows": 2, "columns": 3,
-  "row_pitch_m": 0.01, "column_pitch_m": 0.01, "unit": "counts",
-  "contact_threshold": 5, "sample_rate_hz": 100, "dataset": "/touch")";
 
 // A folder of bags: a file, a folder as rosbag2 makes it, and one without
 // metadata.yaml, whose recorder was killed.
