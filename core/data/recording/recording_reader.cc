@@ -19,9 +19,8 @@ namespace {
 constexpr int kPoseNumbers = 7;
 
 constexpr absl::string_view kNoRecording =
-    "is an MCAP file, but no recording of tactus-stream; a bag of ROS 2 is "
-    "made "
-    "a trial file first (trainctl import), which can be replayed";
+    "is an MCAP file, but no recording of tactus-stream; trainctl import makes "
+    "a trial file, which can be replayed, of a bag of ROS 2";
 
 }  // namespace
 
