@@ -39,7 +39,7 @@ clean_up() {
 trap clean_up EXIT
 # Ports that other tests do not use. The proxy's is $proxy_port.
 # shellcheck disable=SC2034
-base_port=$((39000 + $$ % 500 * 8)) proxy_port=$((39000 + $$ % 500 * 8))
+base_port=$((27000 + $$ % 500 * 8)) proxy_port=$((27000 + $$ % 500 * 8))
 
 # ticks PID...: their processor time, in hundredths of a second.
 ticks() {

@@ -46,9 +46,9 @@ field() { /usr/bin/python3 -c 'import json, sys
 print(json.load(sys.stdin)[sys.argv[1]])' "$1"; }
 # mpirun does not run for root unless both are set.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-# Ports that other tests do not use.
+# Ports that other tests do not use, and that no outgoing connection gets.
 # shellcheck disable=SC2034
-base_port=$((31000 + $$ % 500 * 8))
+base_port=$((19000 + $$ % 500 * 8))
 
 # start_server FLAGS...: a server at unix:$work/server.sock. Its process is
 # $server.

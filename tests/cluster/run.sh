@@ -49,7 +49,7 @@ trap clean_up EXIT
 die() { echo "cluster: $*" >&2; exit 1; }
 promise() { printf '%4d s  %s\n' "$SECONDS" "$*"; }
 
-# Ports that other tests do not use.
+# Ports that other tests do not use, and that no outgoing connection gets.
 # shellcheck disable=SC2034
 base_port=$((23000 + $$ % 1000 * 8)) proxy_port=$((base_port))
 at() { echo "--server=unix:$work/replica-$1.sock"; }

@@ -39,7 +39,7 @@ fail() {
 
 make_postgres
 start_postgres
-port=$((32000 + $$ % 700 * 8))
+port=$((19000 + $$ % 700 * 4))
 export PGHOST=$work/pg PGUSER=tactus
 export DATA=$work/data SHARED=$work/shared
 export CATALOG="postgresql:///tactus?host=$work/pg&user=tactus"

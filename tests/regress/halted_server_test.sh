@@ -26,8 +26,8 @@ clean_up() {
   rm -rf "$work"
 }
 trap clean_up EXIT
-# Ports that other tests do not use.
-base_port=$((35000 + $$ % 1000 * 4)) proxy_port=$((base_port))
+# Ports that other tests do not use, and that no outgoing connection gets.
+base_port=$((15000 + $$ % 1000 * 4)) proxy_port=$((base_port))
 
 server=()
 for number in 1 2 3; do

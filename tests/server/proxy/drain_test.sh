@@ -30,8 +30,8 @@ clean_up() {
 trap clean_up EXIT
 die() { echo "drain: $*" >&2; exit 1; }
 
-# Ports that other tests do not use.
-base_port=$((31000 + $$ % 1000 * 4)) proxy_port=$((base_port))
+# Ports that other tests do not use, and that no outgoing connection gets.
+base_port=$((11000 + $$ % 1000 * 4)) proxy_port=$((base_port))
 
 # serve N: a server at 127.0.0.1:$((base_port + N)), without a catalogue.
 declare -A server
