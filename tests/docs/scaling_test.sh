@@ -48,7 +48,7 @@ export PATH="$work/bin:$bin:$POSTGRES:$PATH"
 mkdir bin
 
 # The flags of a server as the page gives them to the unit of the machine one.
-flags=$(awk '/^ExecStart=\// { on = 1 }
+flags=$(awk '/^ExecStart=.*\/tactusd / { on = 1 }
   on { print }
   on && !/\\$/ { exit }' "$source_dir/docs/scaling.md" | tr -d '\\\n')
 [[ $flags == *--catalog=*--blobs=*--drain-notice-ms=* ]] ||
