@@ -8,7 +8,7 @@
 //       RawHttp2::FrameBytes(9, 0, 1, more));
 //   Dial(server.address());
 //
-// Runs on a thread of its own until it is destroyed.
+// Its own thread runs until the destructor.
 #pragma once
 
 #include <arpa/inet.h>

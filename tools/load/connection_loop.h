@@ -39,7 +39,7 @@ class ConnectionLoop {
   ConnectionLoop& operator=(const ConnectionLoop&) = delete;
 
   boost::asio::io_context& io() { return io_; }
-  // `connection` has something to send. It is told once.
+  // The next Flush flushes `connection`, too.
   void Touch(std::shared_ptr<Connection> connection) {
     touched_.push_back(std::move(connection));
   }

@@ -29,7 +29,7 @@ namespace tactus::internal::client {
 
 class Http2Calls final : public GrpcCall::Carrier {
  public:
-  // `on_work` is told when there may be something to send.
+  // `on_work` is called when there may be something to send.
   Http2Calls(std::string authority, std::string scheme,
              std::function<void()> on_work);
   ~Http2Calls();
