@@ -103,19 +103,14 @@ void GrpcCall::ReadAll() {
   Deliver();
 }
 
-std::optional<size_t> GrpcCall::FirstMessage() const {
-  if (incoming_.size() < kPrefixBytes) return std::nullopt;
-  const size_t size = kPrefixBytes + SizeIn(incoming_);
-  if (incoming_.size() < size) return std::nullopt;
-  return size;
-}
-
 void GrpcCall::Deliver() {
   size_t taken = 0;
-  while (wanted_ > 0 && !ended_) {
+  bool message_waits = false;
+  while (!ended_) {
     const absl::string_view rest = absl::string_view(incoming_).substr(taken);
     if (rest.size() < kPrefixBytes) break;
     const size_t size = SizeIn(rest);
+    // Also where nobody wants it yet: the rest of it would be kept.
     if (rest[0] != 0 || size > limits::kMaxReceiveBytes) {
       End(InvalidResponse("size of a response", size,
                           absl::StrCat("at most ", limits::kMaxReceiveBytes,
@@ -123,13 +118,15 @@ void GrpcCall::Deliver() {
       return;
     }
     if (rest.size() < kPrefixBytes + size) break;
+    message_waits = wanted_ == 0;
+    if (message_waits) break;
     if (wanted_ != kAll) --wanted_;
     taken += kPrefixBytes + size;
     listener_->OnMessage(rest.substr(kPrefixBytes, size));
   }
   if (ended_) return;
   incoming_.erase(0, taken);
-  if (FirstMessage()) {
+  if (message_waits) {
     Consume(taken);
   } else {
     // Part of a message: the rest may be larger than the window.

@@ -44,7 +44,7 @@ class GrpcCall {
     virtual void Resume(GrpcCall* call) = 0;
     // The call took so many bytes: the server may send as many more.
     virtual void Consume(GrpcCall* call, size_t bytes) = 0;
-    // The call has ended; the server is told if it does not know it.
+    // The call has ended. Resets its stream if that is still open.
     virtual void Forget(GrpcCall* call) = 0;
 
    protected:
@@ -92,8 +92,6 @@ class GrpcCall {
  private:
   // Tells the listener what it wants to know.
   void Deliver();
-  // The size of the first message with its prefix, if all of it came.
-  std::optional<size_t> FirstMessage() const;
   void Consume(size_t bytes);
   absl::Status StatusOfHeaders() const;
 

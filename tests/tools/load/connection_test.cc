@@ -13,6 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/errors.h"
+#include "core/base/limits.h"
 #include "core/base/status_proto.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -166,6 +167,22 @@ TEST_F(ConnectionTest, AReaderTakesWhatItAskedFor) {
   ASSERT_EQ(slow.messages().size(), size_t{kResponses});
   for (int i = 0; i < kResponses; ++i) {
     EXPECT_EQ(slow.messages()[i], Response(1000 + i).SerializeAsString());
+  }
+}
+
+TEST_F(ConnectionTest, AMessageBeyondTheLimitEndsTheCall) {
+  ScriptedServer server([](grpc::ServerContext* context, Stream* stream) {
+    stream->Write(Response(limits::kMaxReceiveBytes + 1));
+    return ScriptedServer::SayNothing(context);
+  });
+  // Also for who reads nothing: it would keep all of it.
+  for (const bool reads : {true, false}) {
+    const auto connection = Connect(server.address());
+    TestCall call;
+    if (reads) call.call()->ReadAll();
+    connection->Start(call.call());
+    ASSERT_TRUE(Await([&] { return call.ended(); })) << reads;
+    EXPECT_EQ(ReasonOf(call.status()), "INVALID_RESPONSE") << call.status();
   }
 }
 
